@@ -1,0 +1,44 @@
+// Section 2.5: every sample becomes a vertex, and every vertex a sample.
+#pragma once
+
+#include "point_cloud.h"
+#include "surface_mesh.h"
+#include "voxel_search.h"
+
+namespace shrinkwrap {
+
+struct CompleteMatchingOptions {
+  enum class Method {
+    retile,           ///< insert the feet of all samples on the surface, remove what is no sample (Turk 1992), lift
+    snap_and_insert,  ///< the paper's: snap, eliminate, insert, swap - here by manifold-preserving operations only
+  };
+  Method method = Method::retile;
+  /// What becomes of openings in the scan: places where the parametric surface is far from every sample.
+  enum class Openings { close, leave_open };
+  Openings openings = Openings::close;
+  double membrane_low = 2.0;   ///< x spacing: farther vertices belong to a membrane ...
+  double membrane_high = 4.0;  ///< x spacing: ... if they are connected to one at least this far
+};
+
+struct CompleteMatchingReport {
+  double mean_foot_distance = 0.0;  ///< of the samples from the parametric surface, x spacing
+  double max_foot_distance = 0.0;   ///< x spacing: above 2 the start was wrong somewhere
+  Index membranes = 0;              ///< openings that were spanned or left open
+  Index forced_removals = 0;        ///< removals that had to turn a face
+  Index extra_vertices = 0;         ///< vertices that are no sample and could not be removed without harm
+};
+
+/// A closed mesh whose vertices are the samples (then `extra_vertices` more, if any), at their exact positions.
+struct CompleteMatching {
+  SurfaceMesh mesh;                       ///< vertex i stands for sample_of_vertex[i]
+  std::vector<SampleId> sample_of_vertex; ///< SampleId::none for extra vertices; otherwise one to one
+  std::vector<Index> opening_faces;       ///< faces that `leave_open` will drop, ascending
+  CompleteMatchingReport report;
+};
+
+/// Makes the complete matching from a parametric surface. The mesh is a closed 2-manifold after every operation.
+/// Post: every sample is exactly one vertex. Throws ReconstructionFailed otherwise. O(N) expected for retile.
+CompleteMatching match_samples(SurfaceMesh parametric, const PointCloud& cloud, const VoxelSearch& search,
+                               const CompleteMatchingOptions& options, Progress& progress);
+
+}  // namespace shrinkwrap

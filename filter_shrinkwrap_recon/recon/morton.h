@@ -1,0 +1,27 @@
+// Morton (Z-order) keys: nearby points get nearby indices, so that every later loop runs in cache.
+#pragma once
+
+#include <vector>
+
+#include "types.h"
+
+namespace shrinkwrap {
+
+/// Interleaves the low 21 bits of three coordinates; x is the lowest bit.
+inline std::uint64_t morton_key(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+  const auto spread = [](std::uint64_t v) {
+    v &= 0x1fffff;
+    v = (v | v << 32) & 0x001f00000000ffffull;
+    v = (v | v << 16) & 0x001f0000ff0000ffull;
+    v = (v | v << 8) & 0x100f00f00f00f00full;
+    v = (v | v << 4) & 0x10c30c30c30c30c3ull;
+    return (v | v << 2) & 0x1249249249249249ull;
+  };
+  return spread(x) | spread(y) << 1 | spread(z) << 2;
+}
+
+/// The order of points along a Morton curve of 2^21 cells per axis over their bounding cube; points of one cell
+/// by coordinates (x, y, z), equal points by index. Pre: finite points. O(n), parallel radix sort.
+std::vector<Index> morton_order(const std::vector<Vec3>& points);
+
+}  // namespace shrinkwrap

@@ -1,0 +1,68 @@
+// Progress and cancellation of a run: declared stages, one monotone fraction, one callback on the caller's thread.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <initializer_list>
+#include <thread>
+#include <vector>
+
+namespace shrinkwrap {
+
+/// The stages of the method, in order. A run declares which of them it will pass.
+enum class Stage {
+  samples,
+  orientation,
+  initial_mesh,
+  control_mesh,
+  parametric_surface,
+  complete_matching,
+  edge_optimisation,
+  report,
+};
+constexpr int kStageCount = 8;
+
+/// Short name for progress bars, logs and tables, for example "control mesh".
+const char* stage_name(Stage stage);
+
+/// Maps the work of the declared stages to one fraction in [0, 1] that never falls, calls the callback at most
+/// every 20 ms, only from the thread that constructed the object, and throws Cancelled after it returned false.
+///
+/// A stage calls `begin(stage)` once and `update(fraction)` often; both are cheap. `update` may be called from
+/// worker threads: there it only records, and throws Cancelled if a cancel is pending.
+class Progress {
+ public:
+  /// Receives the overall fraction and the name of the current stage; returns false to cancel.
+  using Callback = std::function<bool(double fraction, const char* stage)>;
+
+  Progress() = default;  ///< silent, never cancelled
+  Progress(Callback callback, std::initializer_list<Stage> stages);
+  Progress(Callback callback, const std::vector<Stage>& stages);
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// Enters a stage. Undeclared stages are allowed and advance nothing (used when stages are run on their own).
+  void begin(Stage stage);
+  /// Reports the fraction done of the current stage, in [0, 1]. Throws Cancelled.
+  void update(double fraction_of_stage);
+  /// Maps `update` of the code that follows to [from, to] of the current stage. Sub-ranges do not nest.
+  void set_range(double from, double to);
+  /// True once the callback has asked to stop.
+  bool cancelled() const { return cancelled_.load(std::memory_order_relaxed); }
+
+ private:
+  void call(double fraction);
+
+  Callback callback_;
+  std::thread::id owner_ = std::this_thread::get_id();
+  double stage_begin_[kStageCount] = {};
+  double stage_weight_[kStageCount] = {};
+  Stage stage_ = Stage::samples;
+  double range_from_ = 0.0, range_to_ = 1.0;
+  double last_fraction_ = 0.0;
+  std::chrono::steady_clock::time_point last_call_{};
+  std::atomic<bool> cancelled_{false};
+};
+
+}  // namespace shrinkwrap

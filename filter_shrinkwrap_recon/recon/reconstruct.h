@@ -1,0 +1,71 @@
+// The whole pipeline: from points to a closed 2-manifold with every sample as a vertex.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "complete_matching.h"
+#include "control_mesh.h"
+#include "edge_optimisation.h"
+#include "initial_mesh.h"
+#include "mesh_report.h"
+#include "orientation.h"
+#include "parametric_surface.h"
+#include "point_cloud.h"
+
+namespace shrinkwrap {
+
+struct ReconstructionOptions {
+  SampleOptions samples;
+  OrientationOptions orientation;
+  InitialMeshOptions initial_mesh;
+  ControlMeshOptions control_mesh;
+  ParametricSurfaceOptions parametric_surface;
+  CompleteMatchingOptions complete_matching;
+  EdgeOptimisationOptions edge_optimisation;
+  MeshReportOptions report;
+  HostScalar host_scalar = HostScalar::single_precision;
+  bool stop_at_parametric_surface = false;  ///< for noisy clouds: a smooth closed surface near the samples
+  bool keep_stages = false;                 ///< return the mesh of every stage too
+  int threads = 0;                          ///< 0: as many as the machine has; the result does not depend on it
+};
+
+/// The paper's own choices, made manifold-preserving: box start, nearest-sample fitting, snap and insert, quadrics.
+ReconstructionOptions as_in_the_paper();
+
+/// A mesh in the caller's frame and terms.
+struct ResultMesh {
+  std::vector<Vec3> position;       ///< matched vertices: the caller's coordinates, to the bit
+  std::vector<Index> input_index;   ///< of each vertex in the caller's points; kNone if it is no sample
+  std::vector<Triangle> triangles;
+};
+
+struct StageRecord {
+  std::string name;
+  Index vertices = 0;
+  double seconds = 0.0;
+  ResultMesh mesh;                  ///< only if keep_stages
+};
+
+struct Reconstruction {
+  ResultMesh mesh;                  ///< vertex i is the i-th distinct sample in the caller's order
+  std::vector<StageRecord> stages;  ///< the rows of table 1
+  ConditioningReport conditioning;
+  OrientationReport orientation;
+  InitialMeshReport initial_mesh;
+  ParametricSurfaceReport parametric_surface;
+  CompleteMatchingReport complete_matching;
+  EdgeOptimisationReport edge_optimisation;
+  MeshReport report;
+  double spacing = 0.0;             ///< median sample spacing, input length
+};
+
+/// Runs every stage and checks the promise. Throws InvalidInput, Cancelled or ReconstructionFailed, and then
+/// nothing was made. The same input and options give the same bytes, whatever the number of threads.
+Reconstruction reconstruct(const std::vector<Vec3>& points, const ReconstructionOptions& options,
+                           Progress& progress);
+
+/// The stages that a run with these options passes, for the construction of its Progress.
+std::vector<Stage> stages_of(const ReconstructionOptions& options);
+
+}  // namespace shrinkwrap

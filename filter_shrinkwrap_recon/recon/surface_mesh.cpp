@@ -1,0 +1,329 @@
+#include "surface_mesh.h"
+
+#include <algorithm>
+
+#include "morton.h"
+#include "parallel.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr Index kGrain = 1 << 13;
+
+// The twin of every half-edge, by a counting sort of half-edges on their lower vertex.
+// Throws InvalidInput unless every edge has exactly two faces that run along it in opposite directions.
+std::vector<Index> match_twins(Index vertices, const std::vector<Index>& origin) {
+  const Index halfedges = static_cast<Index>(origin.size());
+  const auto low_vertex = [&](Index h) { return std::min(origin[h], origin[SurfaceMesh::next(h)]); };
+  std::vector<Index> begin(static_cast<std::size_t>(vertices) + 1, 0);
+  for (Index h = 0; h < halfedges; ++h) ++begin[low_vertex(h) + 1];
+  for (Index v = 0; v < vertices; ++v) begin[v + 1] += begin[v];
+  std::vector<Index> bucket(origin.size());
+  {
+    std::vector<Index> cursor(begin.begin(), begin.end() - 1);
+    for (Index h = 0; h < halfedges; ++h) bucket[cursor[low_vertex(h)]++] = h;
+  }
+  std::vector<Index> twin(origin.size(), kNone);
+  for (Index v = 0; v < vertices; ++v)
+    for (Index i = begin[v]; i < begin[v + 1]; ++i) {
+      const Index h = bucket[i];
+      if (twin[h] != kNone) continue;
+      const Index from = origin[h], to = origin[SurfaceMesh::next(h)];
+      Index match = kNone;
+      for (Index j = i + 1; j < begin[v + 1]; ++j) {
+        const Index g = bucket[j];
+        const Index g_from = origin[g], g_to = origin[SurfaceMesh::next(g)];
+        if (g_from == from && g_to == to)
+          throw InvalidInput("an edge is shared by faces of inconsistent orientation or by more than two faces");
+        if (g_from == to && g_to == from) {
+          if (match != kNone || twin[g] != kNone) throw InvalidInput("an edge is shared by more than two faces");
+          match = g;
+        }
+      }
+      if (match == kNone) throw InvalidInput("the mesh has a border: an edge has only one face");
+      twin[h] = match;
+      twin[match] = h;
+    }
+  return twin;
+}
+
+}  // namespace
+
+SurfaceMesh SurfaceMesh::from_halfedges(std::vector<Vec3> positions, std::vector<Index> origins,
+                                        std::vector<Index> twins) {
+  SurfaceMesh mesh;
+  mesh.position = std::move(positions);
+  mesh.origin_ = std::move(origins);
+  mesh.twin_ = std::move(twins);
+  mesh.outgoing_.assign(mesh.position.size(), kNone);
+  for (Index h = mesh.halfedge_slots() - 1; h >= 0; --h) mesh.outgoing_[mesh.origin_[h]] = h;
+  return mesh;
+}
+
+SurfaceMesh SurfaceMesh::from_triangles(std::vector<Vec3> positions, const std::vector<Triangle>& triangles) {
+  const Index vertices = static_cast<Index>(positions.size());
+  std::vector<Index> origin;
+  origin.reserve(3 * triangles.size());
+  for (const Triangle& t : triangles) {
+    for (Index v : t)
+      if (v < 0 || v >= vertices) throw InvalidInput("a face refers to a vertex that does not exist");
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) throw InvalidInput("a face uses one vertex twice");
+    origin.insert(origin.end(), t.begin(), t.end());
+  }
+  std::vector<Index> twin = match_twins(vertices, origin);
+  SurfaceMesh mesh = from_halfedges(std::move(positions), std::move(origin), std::move(twin));
+  for (Index v = 0; v < vertices; ++v)
+    if (mesh.outgoing_[v] == kNone) throw InvalidInput("a vertex has no face");
+  if (!mesh.is_consistent()) throw InvalidInput("a vertex joins more than one fan of faces");
+  return mesh;
+}
+
+Index SurfaceMesh::find_halfedge(Index a, Index b) const {
+  const Index first = outgoing_[a];
+  Index h = first;
+  do {
+    if (target(h) == b) return h;
+    h = rotate(h);
+  } while (h != first);
+  return kNone;
+}
+
+Vec3 SurfaceMesh::vertex_normal(Index v) const {
+  Vec3 sum = Vec3::Zero();
+  for_each_outgoing(v, [&](Index h) { sum += area_vector(face(h)); });
+  const double length = sum.norm();
+  return length > 0.0 ? Vec3(sum / length) : Vec3(0.0, 0.0, 1.0);
+}
+
+std::vector<Vec3> SurfaceMesh::vertex_normals() const {
+  std::vector<Vec3> normals(position.size(), Vec3::Zero());
+  Progress silent;
+  parallel_for_each(vertex_slots(), kGrain, silent, [&](Index v) {
+    if (!is_removed_vertex(v)) normals[v] = vertex_normal(v);
+  });
+  return normals;
+}
+
+bool SurfaceMesh::is_flip_legal(Index h) const {
+  const Index c = opposite(h), d = opposite(twin_[h]);
+  return c != d && find_halfedge(c, d) == kNone;
+}
+
+void SurfaceMesh::flip(Index h) {
+  // Triangles (a, b, c) on h and (b, a, d) on its twin become (d, c, a) and (c, d, b).
+  const Index o = twin_[h];
+  const Index h1 = next(h), h2 = prev(h), o1 = next(o), o2 = prev(o);
+  const Index a = origin_[h], b = origin_[o], c = origin_[h2], d = origin_[o2];
+  const Index beyond_bc = twin_[h1], beyond_ca = twin_[h2], beyond_ad = twin_[o1], beyond_db = twin_[o2];
+  origin_[h] = d;
+  origin_[h1] = c;
+  origin_[h2] = a;
+  origin_[o] = c;
+  origin_[o1] = d;
+  origin_[o2] = b;
+  link(h1, beyond_ca);
+  link(h2, beyond_ad);
+  link(o1, beyond_db);
+  link(o2, beyond_bc);
+  outgoing_[a] = h2;
+  outgoing_[b] = o2;
+  outgoing_[c] = h1;
+  outgoing_[d] = o1;
+}
+
+bool SurfaceMesh::is_collapse_legal(Index h) const {
+  const Index a = origin(h), b = target(h), c = opposite(h), d = opposite(twin_[h]);
+  if (c == d) return false;
+  const auto has_valence_three = [&](Index v) {
+    const Index first = outgoing_[v];
+    return rotate(rotate(rotate(first))) == first;
+  };
+  if (has_valence_three(c) || has_valence_three(d)) return false;
+  const Index first_a = outgoing_[a], first_b = outgoing_[b];
+  Index i = first_a;
+  do {
+    const Index u = target(i);
+    if (u != b && u != c && u != d) {
+      Index j = first_b;
+      do {
+        if (target(j) == u) return false;
+        j = rotate(j);
+      } while (j != first_b);
+    }
+    i = rotate(i);
+  } while (i != first_a);
+  return true;
+}
+
+void SurfaceMesh::collapse(Index h) {
+  const Index o = twin_[h];
+  const Index h1 = next(h), h2 = prev(h), o1 = next(o), o2 = prev(o);
+  const Index a = origin_[h], b = origin_[o], c = origin_[h2], d = origin_[o2];
+  for (Index g = rotate(h); g != h; g = rotate(g)) origin_[g] = b;
+  const Index beyond_bc = twin_[h1], beyond_ca = twin_[h2], beyond_ad = twin_[o1], beyond_db = twin_[o2];
+  link(beyond_bc, beyond_ca);
+  link(beyond_ad, beyond_db);
+  for (Index g : {h, h1, h2, o, o1, o2}) origin_[g] = twin_[g] = kNone;
+  outgoing_[a] = kNone;
+  outgoing_[b] = beyond_ca;
+  outgoing_[c] = beyond_bc;
+  outgoing_[d] = beyond_ad;
+  removed_vertices_.add(1);
+  removed_faces_.add(2);
+}
+
+void SurfaceMesh::append_slots(Index vertices, Index faces) {
+  position.resize(position.size() + vertices, Vec3::Zero());
+  outgoing_.resize(outgoing_.size() + vertices, kNone);
+  origin_.resize(origin_.size() + 3 * static_cast<std::size_t>(faces), kNone);
+  twin_.resize(origin_.size(), kNone);
+}
+
+Index SurfaceMesh::split_face(Index f, const Vec3& p) {
+  const Index v = vertex_slots(), g = face_slots();
+  append_slots(1, 2);
+  position[v] = p;
+  split_face_into(f, v, g, g + 1);
+  return v;
+}
+
+void SurfaceMesh::split_face_into(Index f, Index v, Index g, Index k) {
+  // (a, b, c) becomes f = (a, b, v), g = (b, c, v), k = (c, a, v).
+  const Index h0 = 3 * f, h1 = h0 + 1, h2 = h0 + 2;
+  const Index a = origin_[h0], b = origin_[h1], c = origin_[h2];
+  const Index beyond_bc = twin_[h1], beyond_ca = twin_[h2];
+  origin_[h2] = v;
+  origin_[3 * g] = b;
+  origin_[3 * g + 1] = c;
+  origin_[3 * g + 2] = v;
+  origin_[3 * k] = c;
+  origin_[3 * k + 1] = a;
+  origin_[3 * k + 2] = v;
+  link(3 * g, beyond_bc);
+  link(3 * k, beyond_ca);
+  link(h1, 3 * g + 2);
+  link(3 * g + 1, 3 * k + 2);
+  link(3 * k + 1, h2);
+  outgoing_[v] = h2;
+  outgoing_[a] = h0;
+  outgoing_[b] = 3 * g;
+  outgoing_[c] = 3 * k;
+}
+
+std::vector<Index> SurfaceMesh::compact() {
+  std::vector<Vec3> kept;
+  std::vector<Index> kept_vertex;
+  kept.reserve(vertex_count());
+  kept_vertex.reserve(vertex_count());
+  for (Index v = 0; v < vertex_slots(); ++v)
+    if (!is_removed_vertex(v)) {
+      kept.push_back(position[v]);
+      kept_vertex.push_back(v);
+    }
+  const std::vector<Index> order = morton_order(kept);
+  std::vector<Index> new_index(position.size(), kNone);
+  for (std::size_t i = 0; i < order.size(); ++i) new_index[kept_vertex[order[i]]] = static_cast<Index>(i);
+  renumber(new_index);
+  return new_index;
+}
+
+void SurfaceMesh::renumber(const std::vector<Index>& new_index) {
+  const Index vertices = vertex_count(), faces = face_count(), old_faces = face_slots();
+  std::vector<Vec3> moved(vertices);
+  for (Index v = 0; v < vertex_slots(); ++v)
+    if (new_index[v] != kNone) moved[new_index[v]] = position[v];
+  position = std::move(moved);
+
+  // Faces by their lowest vertex (a counting sort, so faces of one vertex keep their order).
+  std::vector<Index> begin(static_cast<std::size_t>(vertices) + 1, 0);
+  std::vector<Index> low(old_faces, kNone);
+  for (Index f = 0; f < old_faces; ++f) {
+    if (is_removed_face(f)) continue;
+    const Triangle t = triangle(f);
+    low[f] = std::min({new_index[t[0]], new_index[t[1]], new_index[t[2]]});
+    ++begin[low[f] + 1];
+  }
+  for (Index v = 0; v < vertices; ++v) begin[v + 1] += begin[v];
+  std::vector<Index> new_face(old_faces, kNone);
+  for (Index f = 0; f < old_faces; ++f)
+    if (low[f] != kNone) new_face[f] = begin[low[f]]++;
+
+  std::vector<Index> origin(3 * static_cast<std::size_t>(faces)), twin(origin.size());
+  Progress silent;
+  parallel_for_each(old_faces, kGrain, silent, [&](Index f) {
+    if (new_face[f] == kNone) return;
+    for (Index corner = 0; corner < 3; ++corner) {
+      const Index old_twin = twin_[3 * f + corner];
+      origin[3 * new_face[f] + corner] = new_index[origin_[3 * f + corner]];
+      twin[3 * new_face[f] + corner] = 3 * new_face[face(old_twin)] + old_twin % 3;
+    }
+  });
+  *this = from_halfedges(std::move(position), std::move(origin), std::move(twin));
+}
+
+bool SurfaceMesh::is_consistent() const {
+  const Index halfedges = halfedge_slots();
+  Index live = 0;
+  for (Index h = 0; h < halfedges; ++h) {
+    if (origin_[h] == kNone) continue;
+    ++live;
+    const Index o = twin_[h];
+    if (o < 0 || o >= halfedges || o == h || twin_[o] != h) return false;
+    if (origin_[o] != target(h) || target(o) != origin_[h]) return false;
+  }
+  // One fan per vertex: the half-edges met while walking around every vertex are all there are.
+  Index walked = 0;
+  for (Index v = 0; v < vertex_slots(); ++v) {
+    if (is_removed_vertex(v)) continue;
+    const Index first = outgoing_[v];
+    if (first < 0 || first >= halfedges || origin_[first] != v) return false;
+    Index h = first;
+    do {
+      if (origin_[h] != v || ++walked > live) return false;
+      h = rotate(h);
+    } while (h != first);
+  }
+  return walked == live;
+}
+
+std::vector<Triangle> SurfaceMesh::triangles() const {
+  std::vector<Triangle> result;
+  result.reserve(face_count());
+  for (Index f = 0; f < face_slots(); ++f)
+    if (!is_removed_face(f)) result.push_back(triangle(f));
+  return result;
+}
+
+MeshComponents connected_components(const SurfaceMesh& mesh) {
+  MeshComponents components;
+  components.of_vertex.assign(mesh.position.size(), kNone);
+  std::vector<Index> stack;
+  for (Index seed = 0; seed < mesh.vertex_slots(); ++seed) {
+    if (mesh.is_removed_vertex(seed) || components.of_vertex[seed] != kNone) continue;
+    components.of_vertex[seed] = components.count;
+    stack.push_back(seed);
+    while (!stack.empty()) {
+      const Index v = stack.back();
+      stack.pop_back();
+      mesh.for_each_outgoing(v, [&](Index h) {
+        Index& component = components.of_vertex[mesh.target(h)];
+        if (component != kNone) return;
+        component = components.count;
+        stack.push_back(mesh.target(h));
+      });
+    }
+    ++components.count;
+  }
+  return components;
+}
+
+void round_to_host(SurfaceMesh& mesh, const Frame& frame, HostScalar scalar) {
+  Progress silent;
+  parallel_for_each(mesh.vertex_slots(), kGrain, silent, [&](Index v) {
+    Vec3 p = frame.to_input(mesh.position[v]);
+    if (scalar == HostScalar::single_precision) p = p.cast<float>().cast<double>();
+    mesh.position[v] = frame.to_unit(p);
+  });
+}
+
+}  // namespace shrinkwrap

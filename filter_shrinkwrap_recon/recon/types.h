@@ -1,0 +1,63 @@
+// Vocabulary shared by every stage: scalars, points, element indices, the frame, and the three kinds of error.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace shrinkwrap {
+
+using Vec3 = Eigen::Vector3d;
+using Vec3f = Eigen::Vector3f;
+
+/// Index of a vertex, half-edge or face of a SurfaceMesh, or of a sample in the order of a PointCloud.
+/// 32 bits reach 10 million samples with room to spare (12 half-edges per sample while re-tiling).
+using Index = std::int32_t;
+constexpr Index kNone = -1;
+
+/// A sample named from the side of a mesh. A type of its own, so that a vertex index and the sample that the
+/// vertex stands for cannot be mixed up: complete matching is a bijection between the two.
+enum class SampleId : std::int32_t { none = -1 };
+inline Index to_index(SampleId sample) { return static_cast<Index>(sample); }
+inline SampleId to_sample(Index index) { return static_cast<SampleId>(index); }
+
+/// The unit frame in which all stages work: moved to the origin and scaled by a power of two, so that a cloud
+/// anywhere and of any size meets the same arithmetic. `to_unit` rounds at most once per coordinate.
+struct Frame {
+  Vec3 center = Vec3::Zero();
+  double scale = 1.0;  ///< unit length per input length; a power of two
+  Vec3 to_unit(const Vec3& p) const { return (p - center) * scale; }
+  Vec3 to_input(const Vec3& p) const { return p / scale + center; }
+  double to_input_length(double length) const { return length / scale; }
+};
+
+/// The scalar in which the host stores mesh coordinates. Intermediate meshes are rounded to it when one stage
+/// hands over to the next, so that stages run one by one through host layers and the whole pipeline in one call
+/// give the same bytes.
+enum class HostScalar { single_precision, double_precision };
+
+/// Base of everything the library throws on purpose. `what()` names the problem and the remedy.
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+/// The input or an option cannot be used; nothing was computed.
+class InvalidInput : public Error {
+ public:
+  using Error::Error;
+};
+/// The caller's progress callback asked to stop.
+class Cancelled : public Error {
+ public:
+  Cancelled() : Error("cancelled by the user") {}
+};
+/// The method ran but a guarantee does not hold; no mesh is returned.
+class ReconstructionFailed : public Error {
+ public:
+  using Error::Error;
+};
+
+}  // namespace shrinkwrap
