@@ -9,11 +9,14 @@ namespace shrinkwrap {
 
 struct CompleteMatchingOptions {
   enum class Method {
-    retile,           ///< insert the feet of all samples on the surface, remove what is no sample (Turk 1992), lift
-    snap_and_insert,  ///< the paper's: snap, eliminate, insert, swap - here by manifold-preserving operations only
+    retile,  ///< insert the feet of all samples on the surface, remove what is no sample (Turk
+             ///< 1992), lift
+    snap_and_insert,  ///< the paper's: snap, eliminate, insert, swap - here by manifold-preserving
+                      ///< operations only
   };
   Method method = Method::retile;
-  /// What becomes of openings in the scan: places where the parametric surface is far from every sample.
+  /// What becomes of openings in the scan: places where the parametric surface is far from every
+  /// sample.
   enum class Openings { close, leave_open };
   Openings openings = Openings::close;
   double membrane_low = 2.0;   ///< x spacing: farther vertices belong to a membrane ...
@@ -25,20 +28,29 @@ struct CompleteMatchingReport {
   double max_foot_distance = 0.0;   ///< x spacing: above 2 the start was wrong somewhere
   Index membranes = 0;              ///< openings that were spanned or left open
   Index forced_removals = 0;        ///< removals that had to turn a face
-  Index extra_vertices = 0;         ///< vertices that are no sample and could not be removed without harm
+  Index extra_vertices = 0;  ///< vertices that are no sample and could not be removed without harm
 };
 
-/// A closed mesh whose vertices are the samples (then `extra_vertices` more, if any), at their exact positions.
+/// A closed mesh whose vertices are the samples (then `extra_vertices` more, if any), at their
+/// exact positions.
 struct CompleteMatching {
-  SurfaceMesh mesh;                       ///< vertex i stands for sample_of_vertex[i]
-  std::vector<SampleId> sample_of_vertex; ///< SampleId::none for extra vertices; otherwise one to one
-  std::vector<Index> opening_faces;       ///< faces that `leave_open` will drop, ascending
+  SurfaceMesh mesh;  ///< vertex i stands for sample_of_vertex[i]; retile: for sample i
+  std::vector<SampleId>
+      sample_of_vertex;              ///< SampleId::none for extra vertices; otherwise one to one
+  std::vector<Index> opening_faces;  ///< faces that `leave_open` will drop, ascending
+  /// Faces that span openings, whether to be dropped or not, ascending: edge optimisation must
+  /// leave them alone (a flip would spoil the border, or cut another face).
+  std::vector<Index> spanning_faces;
   CompleteMatchingReport report;
 };
 
-/// Makes the complete matching from a parametric surface. The mesh is a closed 2-manifold after every operation.
-/// Post: every sample is exactly one vertex. Throws ReconstructionFailed otherwise. O(N) expected for retile.
-CompleteMatching match_samples(SurfaceMesh parametric, const PointCloud& cloud, const VoxelSearch& search,
-                               const CompleteMatchingOptions& options, Progress& progress);
+/// Makes the complete matching from a parametric surface. The mesh is a closed 2-manifold after
+/// every operation. Post: every sample is exactly one vertex; the topology is that of the surface,
+/// but for components that hold no sample. Throws ReconstructionFailed otherwise, InvalidInput if
+/// the surface has no faces. O(N log N), for retile O(N) but for the tree search; parallel, the
+/// same for any number of threads.
+CompleteMatching match_samples(SurfaceMesh parametric, const PointCloud& cloud,
+                               const VoxelSearch& search, const CompleteMatchingOptions& options,
+                               Progress& progress);
 
 }  // namespace shrinkwrap

@@ -1,4 +1,5 @@
-// The promise, checked: closed, 2-manifold, one vertex per sample at its exact coordinates, outward.
+// The promise, checked: closed, 2-manifold, one vertex per sample at its exact coordinates,
+// outward.
 #pragma once
 
 #include <string>
@@ -11,34 +12,37 @@ namespace shrinkwrap {
 
 /// What a list of triangles is, whatever made it. Counts, never assumptions.
 struct MeshReport {
-  Index vertices = 0;               ///< used by faces
+  Index vertices = 0;  ///< used by faces
   Index edges = 0;
   Index faces = 0;
-  Index degenerate_faces = 0;       ///< repeated vertex
-  Index border_edges = 0;           ///< edges of one face
+  Index degenerate_faces = 0;  ///< repeated vertex
+  Index border_edges = 0;      ///< edges of one face
   Index border_loops = 0;
-  Index nonmanifold_edges = 0;      ///< edges of more than two faces
-  Index nonmanifold_vertices = 0;   ///< vertices whose faces are not one fan
-  Index misoriented_edges = 0;      ///< edges whose two faces run along them in the same direction
-  Index components = 0;             ///< by edges
-  Index components_inward = 0;      ///< closed components of negative volume (cavities are rightly among them)
-  Index genus = -1;                 ///< summed over components; -1 unless manifold (openings are counted as capped)
-  double volume = 0.0;              ///< signed, of a closed mesh
+  Index nonmanifold_edges = 0;     ///< edges of more than two faces
+  Index nonmanifold_vertices = 0;  ///< vertices whose faces are not one fan
+  Index misoriented_edges = 0;     ///< edges whose two faces run along them in the same direction
+  Index components = 0;            ///< by edges
+  Index components_inward =
+      0;  ///< closed components of negative volume (cavities are rightly among them)
+  Index genus =
+      -1;  ///< summed over components; -1 unless manifold (openings are counted as capped)
+  double volume = 0.0;                 ///< signed, of a closed mesh
   Index self_intersecting_faces = -1;  ///< -1: not counted
 
-  Index samples = 0;                ///< distinct input samples
-  Index samples_matched = 0;        ///< that are exactly one used vertex, bit for bit
+  Index samples = 0;          ///< distinct input samples
+  Index samples_matched = 0;  ///< that are exactly one used vertex, bit for bit
   Index samples_missing = 0;
   Index samples_matched_twice = 0;
-  Index vertices_extra = 0;         ///< used vertices that are no sample
+  Index vertices_extra = 0;  ///< used vertices that are no sample
 
   bool closed() const { return faces > 0 && border_edges == 0; }
   bool manifold() const {
-    return faces > 0 && degenerate_faces == 0 && nonmanifold_edges == 0 && nonmanifold_vertices == 0 &&
-           misoriented_edges == 0;
+    return faces > 0 && degenerate_faces == 0 && nonmanifold_edges == 0 &&
+           nonmanifold_vertices == 0 && misoriented_edges == 0;
   }
   bool complete_matching() const {
-    return samples_missing == 0 && samples_matched_twice == 0 && vertices_extra == 0 && samples_matched == samples;
+    return samples_missing == 0 && samples_matched_twice == 0 && vertices_extra == 0 &&
+           samples_matched == samples;
   }
   bool outward() const { return closed() && manifold() && volume > 0.0; }
 };
@@ -47,10 +51,11 @@ struct MeshReportOptions {
   bool count_self_intersections = true;
 };
 
-/// Measures a mesh against samples (both in one frame). Samples equal to an earlier one or not finite are left out.
-/// O((V + F) log) time.
+/// Measures a mesh against samples (both in one frame). Samples equal to an earlier one or not
+/// finite are left out. O((V + F) log) time.
 MeshReport measure_mesh(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles,
-                        const std::vector<Vec3>& samples, const MeshReportOptions& options, Progress& progress);
+                        const std::vector<Vec3>& samples, const MeshReportOptions& options,
+                        Progress& progress);
 
 /// The report in lines for a log.
 std::vector<std::string> describe(const MeshReport& report);

@@ -40,7 +40,8 @@ void radix_pass(const std::vector<KeyedIndex>& from, std::vector<KeyedIndex>& to
     }
   parallel_blocks(count, grain, silent, [&](Index block, Index begin, Index end) {
     auto& cursor = offset[block];
-    for (Index i = begin; i < end; ++i) to[cursor[(from[i].key >> shift) & (kDigits - 1)]++] = from[i];
+    for (Index i = begin; i < end; ++i)
+      to[cursor[(from[i].key >> shift) & (kDigits - 1)]++] = from[i];
   });
 }
 
@@ -61,9 +62,10 @@ std::vector<Index> morton_order(const std::vector<Vec3>& points) {
   Progress silent;
   parallel_for_each(count, kGrain, silent, [&](Index i) {
     const Vec3 cell = (points[i] - low) * cells;
-    keys[i] = {morton_key(static_cast<std::uint32_t>(cell.x()), static_cast<std::uint32_t>(cell.y()),
-                          static_cast<std::uint32_t>(cell.z())),
-               i};
+    keys[i] = {
+        morton_key(static_cast<std::uint32_t>(cell.x()), static_cast<std::uint32_t>(cell.y()),
+                   static_cast<std::uint32_t>(cell.z())),
+        i};
   });
   if (count < 4096) {
     std::stable_sort(keys.begin(), keys.end(),
@@ -79,12 +81,13 @@ std::vector<Index> morton_order(const std::vector<Vec3>& points) {
     Index end = begin + 1;
     while (end < count && keys[end].key == keys[begin].key) ++end;
     if (end - begin > 1)
-      std::sort(keys.begin() + begin, keys.begin() + end, [&](const KeyedIndex& a, const KeyedIndex& b) {
-        const Vec3 &p = points[a.index], &q = points[b.index];
-        for (int axis = 0; axis < 3; ++axis)
-          if (p[axis] != q[axis]) return p[axis] < q[axis];
-        return a.index < b.index;
-      });
+      std::sort(keys.begin() + begin, keys.begin() + end,
+                [&](const KeyedIndex& a, const KeyedIndex& b) {
+                  const Vec3 &p = points[a.index], &q = points[b.index];
+                  for (int axis = 0; axis < 3; ++axis)
+                    if (p[axis] != q[axis]) return p[axis] < q[axis];
+                  return a.index < b.index;
+                });
     begin = end;
   }
   std::vector<Index> order(points.size());

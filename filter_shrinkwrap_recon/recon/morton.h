@@ -20,8 +20,9 @@ inline std::uint64_t morton_key(std::uint32_t x, std::uint32_t y, std::uint32_t 
   return spread(x) | spread(y) << 1 | spread(z) << 2;
 }
 
-/// The order of points along a Morton curve of 2^21 cells per axis over their bounding cube; points of one cell
-/// by coordinates (x, y, z), equal points by index. Pre: finite points. O(n), parallel radix sort.
+/// The order of points along a Morton curve of 2^21 cells per axis over their bounding cube; points
+/// of one cell by coordinates (x, y, z), equal points by index. Pre: finite points. O(n), parallel
+/// radix sort.
 std::vector<Index> morton_order(const std::vector<Vec3>& points);
 
 }  // namespace shrinkwrap

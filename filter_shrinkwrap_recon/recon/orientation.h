@@ -1,4 +1,5 @@
-// Which side of each sample is outside: minimum-spanning-tree propagation, one visibility vote per component.
+// Which side of each sample is outside: propagation over a spanning tree, then one visibility vote
+// per component.
 #pragma once
 
 #include "point_cloud.h"
@@ -6,21 +7,31 @@
 namespace shrinkwrap {
 
 struct OrientationOptions {
-  int propagation_neighbours = 10;  ///< edges per sample of the neighbour graph that carry orientation
+  int propagation_neighbours = 10;  ///< edges per sample of the graph that carries orientation
   int view_directions = 96;         ///< orthographic depth buffers that vote
   double pixel_size = 1.5;          ///< of a depth buffer, x spacing of the samples that are drawn
-  double min_cosine = 0.5;          ///< a view votes on a sample only if |normal . direction| is at least this
+  double min_cosine =
+      0.5;  ///< a view votes on a sample only if |normal . direction| is at least this
+  Index drawn_samples = 16000;  ///< of larger clouds a part is drawn, more if the votes are close
+  double least_vote = 0.05;     ///< undecided below this part of the votes there could have been
+  double least_visible = 0.02;  ///< enclosed if this part or less of the possible votes was cast
 };
 
 struct OrientationReport {
-  Index components = 0;             ///< of the neighbour graph
-  Index undecided_components = 0;   ///< whose votes nearly cancelled (nobody sees them from outside)
+  Index components = 0;  ///< of the neighbour graph
+  Index enclosed_components =
+      0;  ///< nobody sees them from outside: walls of cavities, and the like
+  Index undecided_components = 0;  ///< seen as much from one side as from the other: open sheets
 };
 
-/// Gives the normals of the cloud a consistent outward sign (Hoppe et al. 1992: propagation over the spanning tree
-/// that prefers parallel normals; weights |n.n'| (1 - max |d.n|)), then one sign per connected component of the
-/// graph from visibility: the side that more orthographic views see is outside. Then computes the tangent planes.
-/// O(N log N) time at most, O(N) memory, deterministic.
-OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& options, Progress& progress);
+/// Gives the normals of the cloud a consistent outward sign (Hoppe et al. 1992: propagation over
+/// the spanning tree that prefers parallel normals; weights |n.n'| (1 - max |d.n|)), then one sign
+/// per connected component of the graph from visibility: the side that more orthographic views see
+/// is outside. Components that nobody sees are drawn again without those that were seen: one layer
+/// in they bound a cavity of the body, two layers in a body within the cavity, and so on. Then
+/// computes the tangent planes. Undecided components keep the sign of the majority, however small.
+/// O(N) expected time but for the union-find, O(N) memory, the same for any number of threads.
+OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& options,
+                                 Progress& progress);
 
 }  // namespace shrinkwrap

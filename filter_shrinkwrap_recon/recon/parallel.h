@@ -1,5 +1,6 @@
-// Parallel loops over index ranges, on oneTBB. The blocks depend only on the range and the grain, never on the
-// number of threads, so that per-block results combined in block order are the same for any number of threads.
+// Parallel loops over index ranges, on oneTBB. The blocks depend only on the range and the grain,
+// never on the number of threads, so that per-block results combined in block order are the same
+// for any number of threads.
 #pragma once
 
 #include <tbb/blocked_range.h>
@@ -14,7 +15,9 @@
 
 namespace shrinkwrap {
 
-inline Index block_count(Index count, Index grain) { return (count + grain - 1) / grain; }
+inline Index block_count(Index count, Index grain) {
+  return (count + grain - 1) / grain;
+}
 
 /// Calls `body(block, begin, end)` for the blocks of [0, count) of `grain` indices each.
 /// Progress runs from 0 to 1 of the current range of `progress`; throws Cancelled between blocks.
@@ -43,7 +46,8 @@ void parallel_for_each(Index count, Index grain, Progress& progress, const Body&
   });
 }
 
-/// Sum, in block order, of `body(begin, end)` over the blocks: the same bits for any number of threads.
+/// Sum, in block order, of `body(begin, end)` over the blocks: the same bits for any number of
+/// threads.
 template <class Value, class Body>
 Value parallel_sum(Index count, Index grain, Progress& progress, Value zero, const Body& body) {
   std::vector<Value> partial(static_cast<std::size_t>(block_count(count, grain)), zero);
@@ -56,7 +60,8 @@ Value parallel_sum(Index count, Index grain, Progress& progress, Value zero, con
 
 /// Concatenation, in block order, of the vectors that `body(begin, end, out)` fills.
 template <class Value, class Body>
-std::vector<Value> parallel_collect(Index count, Index grain, Progress& progress, const Body& body) {
+std::vector<Value> parallel_collect(Index count, Index grain, Progress& progress,
+                                    const Body& body) {
   std::vector<std::vector<Value>> partial(static_cast<std::size_t>(block_count(count, grain)));
   parallel_blocks(count, grain, progress, [&](Index block, Index begin, Index end) {
     body(begin, end, partial[static_cast<std::size_t>(block)]);

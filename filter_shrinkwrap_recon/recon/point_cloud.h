@@ -1,4 +1,5 @@
-// The samples: conditioned, moved to the unit frame, in Morton order, with neighbours, spacing and normals.
+// The samples: conditioned, moved to the unit frame, in Morton order, with neighbours, spacing and
+// normals.
 #pragma once
 
 #include <vector>
@@ -12,8 +13,9 @@ namespace shrinkwrap {
 struct ConditioningReport {
   std::size_t given = 0;
   std::size_t not_finite = 0;  ///< points with a NaN or infinite coordinate, left out
-  std::size_t duplicates = 0;  ///< points at the coordinates of an earlier one (-0 equals 0), left out
-  std::size_t distinct = 0;    ///< samples: given - not_finite - duplicates
+  std::size_t duplicates =
+      0;  ///< points at the coordinates of an earlier one (-0 equals 0), left out
+  std::size_t distinct = 0;  ///< samples: given - not_finite - duplicates
 };
 
 struct SampleOptions {
@@ -21,26 +23,28 @@ struct SampleOptions {
   int neighbours = 16;
 };
 
-/// An oriented plane near a sample: the point of the local surface and its unit normal (float: a target, not data).
+/// An oriented plane near a sample: the point of the local surface and its unit normal (float: a
+/// target, not data).
 struct TangentPlane {
   Vec3f point;
   Vec3f normal;
 };
 
-/// Distinct samples in Morton order (a SampleId indexes every array) and what the stages need to know of them.
-/// Built once by `prepare_samples`; read by all stages, from any thread.
+/// Distinct samples in Morton order (a SampleId indexes every array) and what the stages need to
+/// know of them. Built once by `prepare_samples`; read by all stages, from any thread.
 class PointCloud {
  public:
   Frame frame;
   ConditioningReport conditioning;
-  std::vector<Vec3> position;          ///< unit frame
-  std::vector<Index> input_index;      ///< of each sample in the caller's array
-  int neighbour_count = 0;             ///< k: min(SampleOptions::neighbours, N)
-  std::vector<Index> neighbour;        ///< k per sample, nearest first; entry 0 is the sample itself
-  std::vector<float> local_spacing;    ///< s_i = sqrt(pi/(k-1)) * distance to the k-th neighbour
-  double spacing = 0.0;                ///< s: median of local_spacing
-  std::vector<Vec3f> normal;           ///< PCA of the k neighbours; sign arbitrary until `orient_normals`
-  std::vector<TangentPlane> plane;     ///< after `orient_normals`: Gaussian mean of the compatible neighbours
+  std::vector<Vec3> position;        ///< unit frame
+  std::vector<Index> input_index;    ///< of each sample in the caller's array
+  int neighbour_count = 0;           ///< k: min(SampleOptions::neighbours, N)
+  std::vector<Index> neighbour;      ///< k per sample, nearest first; entry 0 is the sample itself
+  std::vector<float> local_spacing;  ///< s_i = sqrt(pi/(k-1)) * distance to the k-th neighbour
+  double spacing = 0.0;              ///< s: median of local_spacing
+  std::vector<Vec3f> normal;  ///< PCA of the k neighbours; sign arbitrary until `orient_normals`
+  std::vector<TangentPlane>
+      plane;  ///< after `orient_normals`: Gaussian mean of the compatible neighbours
 
   Index size() const { return static_cast<Index>(position.size()); }
   const Index* neighbours_of(Index sample) const {
@@ -48,10 +52,15 @@ class PointCloud {
   }
 };
 
-/// Conditions points (leaves out what is not finite and exact duplicates), orders them, and computes neighbours,
-/// spacing and normals. Points are the caller's, in its own frame; they are copied, never changed.
-/// Throws InvalidInput if fewer than 4 distinct points are left, or if all are collinear or coplanar.
-/// O(N log N) comparisons at most, O(N) memory.
-PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions& options, Progress& progress);
+/// The unit frame of a set of finite points: their bounding box centred, its largest half-extent in
+/// (1/2, 1].
+Frame unit_frame(const std::vector<Vec3>& points);
+
+/// Conditions points (leaves out what is not finite and exact duplicates), orders them, and
+/// computes neighbours, spacing and normals. Points are the caller's, in its own frame; they are
+/// copied, never changed. Throws InvalidInput if fewer than 4 distinct points are left, or if all
+/// are collinear or coplanar. O(N log N) comparisons at most, O(N) memory.
+PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions& options,
+                           Progress& progress);
 
 }  // namespace shrinkwrap

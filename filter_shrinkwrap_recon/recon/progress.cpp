@@ -7,7 +7,8 @@
 namespace shrinkwrap {
 namespace {
 
-// Share of the time of a run, measured on a million samples; only the evenness of the bar depends on it.
+// Share of the time of a run, measured on a million samples; only the evenness of the bar depends
+// on it.
 constexpr double kWeight[kStageCount] = {0.16, 0.07, 0.22, 0.12, 0.10, 0.20, 0.07, 0.06};
 
 constexpr auto kCallInterval = std::chrono::milliseconds(20);
@@ -16,14 +17,22 @@ constexpr auto kCallInterval = std::chrono::milliseconds(20);
 
 const char* stage_name(Stage stage) {
   switch (stage) {
-    case Stage::samples: return "samples";
-    case Stage::orientation: return "orientation";
-    case Stage::initial_mesh: return "initial mesh";
-    case Stage::control_mesh: return "control mesh";
-    case Stage::parametric_surface: return "parametric surface";
-    case Stage::complete_matching: return "complete matching";
-    case Stage::edge_optimisation: return "edge optimisation";
-    case Stage::report: return "matching report";
+    case Stage::samples:
+      return "samples";
+    case Stage::orientation:
+      return "orientation";
+    case Stage::initial_mesh:
+      return "initial mesh";
+    case Stage::control_mesh:
+      return "control mesh";
+    case Stage::parametric_surface:
+      return "parametric surface";
+    case Stage::complete_matching:
+      return "complete matching";
+    case Stage::edge_optimisation:
+      return "edge optimisation";
+    case Stage::report:
+      return "matching report";
   }
   return "";
 }
@@ -47,7 +56,7 @@ Progress::Progress(Callback callback, const std::vector<Stage>& stages)
 void Progress::begin(Stage stage) {
   stage_ = stage;
   set_range(0.0, 1.0);
-  update(0.0);
+  if (callback_ && std::this_thread::get_id() == owner_) call(stage_begin_[static_cast<int>(stage)]);
 }
 
 void Progress::set_range(double from, double to) {
@@ -62,7 +71,8 @@ void Progress::update(double fraction_of_stage) {
   if (now - last_call_ < kCallInterval) return;
   last_call_ = now;
   const int i = static_cast<int>(stage_);
-  const double within = range_from_ + (range_to_ - range_from_) * std::clamp(fraction_of_stage, 0.0, 1.0);
+  const double within =
+      range_from_ + (range_to_ - range_from_) * std::clamp(fraction_of_stage, 0.0, 1.0);
   call(stage_begin_[i] + stage_weight_[i] * within);
 }
 

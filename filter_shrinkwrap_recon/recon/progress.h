@@ -1,4 +1,5 @@
-// Progress and cancellation of a run: declared stages, one monotone fraction, one callback on the caller's thread.
+// Progress and cancellation of a run: declared stages, one monotone fraction, one callback on the
+// caller's thread.
 #pragma once
 
 #include <atomic>
@@ -26,11 +27,12 @@ constexpr int kStageCount = 8;
 /// Short name for progress bars, logs and tables, for example "control mesh".
 const char* stage_name(Stage stage);
 
-/// Maps the work of the declared stages to one fraction in [0, 1] that never falls, calls the callback at most
-/// every 20 ms, only from the thread that constructed the object, and throws Cancelled after it returned false.
+/// Maps the work of the declared stages to one fraction in [0, 1] that never falls, calls the
+/// callback at most every 20 ms, only from the thread that constructed the object, and throws
+/// Cancelled after it returned false.
 ///
-/// A stage calls `begin(stage)` once and `update(fraction)` often; both are cheap. `update` may be called from
-/// worker threads: there it only records, and throws Cancelled if a cancel is pending.
+/// A stage calls `begin(stage)` once and `update(fraction)` often; both are cheap. `update` may be
+/// called from worker threads: there it only records, and throws Cancelled if a cancel is pending.
 class Progress {
  public:
   /// Receives the overall fraction and the name of the current stage; returns false to cancel.
@@ -42,11 +44,13 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Enters a stage. Undeclared stages are allowed and advance nothing (used when stages are run on their own).
+  /// Enters a stage and tells the callback at once. Undeclared stages are allowed and advance nothing (used when stages are run on
+  /// their own).
   void begin(Stage stage);
   /// Reports the fraction done of the current stage, in [0, 1]. Throws Cancelled.
   void update(double fraction_of_stage);
-  /// Maps `update` of the code that follows to [from, to] of the current stage. Sub-ranges do not nest.
+  /// Maps `update` of the code that follows to [from, to] of the current stage. Sub-ranges do not
+  /// nest.
   void set_range(double from, double to);
   /// True once the callback has asked to stop.
   bool cancelled() const { return cancelled_.load(std::memory_order_relaxed); }

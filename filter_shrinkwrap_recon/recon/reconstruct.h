@@ -12,6 +12,7 @@
 #include "orientation.h"
 #include "parametric_surface.h"
 #include "point_cloud.h"
+#include "result_mesh.h"
 
 namespace shrinkwrap {
 
@@ -25,26 +26,23 @@ struct ReconstructionOptions {
   EdgeOptimisationOptions edge_optimisation;
   MeshReportOptions report;
   HostScalar host_scalar = HostScalar::single_precision;
-  bool stop_at_parametric_surface = false;  ///< for noisy clouds: a smooth closed surface near the samples
-  bool keep_stages = false;                 ///< return the mesh of every stage too
-  int threads = 0;                          ///< 0: as many as the machine has; the result does not depend on it
+  bool stop_at_parametric_surface =
+      false;                 ///< for noisy clouds: a smooth closed surface near the samples
+  bool keep_stages = false;  ///< return the mesh of every stage too
+  std::uint64_t memory_limit =
+      0;            ///< bytes; 0: what the machine has available. More is refused beforehand
+  int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
 };
 
-/// The paper's own choices, made manifold-preserving: box start, nearest-sample fitting, snap and insert, quadrics.
+/// The paper's own choices, made manifold-preserving: box start, nearest-sample fitting, snap and
+/// insert, quadrics.
 ReconstructionOptions as_in_the_paper();
-
-/// A mesh in the caller's frame and terms.
-struct ResultMesh {
-  std::vector<Vec3> position;       ///< matched vertices: the caller's coordinates, to the bit
-  std::vector<Index> input_index;   ///< of each vertex in the caller's points; kNone if it is no sample
-  std::vector<Triangle> triangles;
-};
 
 struct StageRecord {
   std::string name;
   Index vertices = 0;
   double seconds = 0.0;
-  ResultMesh mesh;                  ///< only if keep_stages
+  ResultMesh mesh;  ///< only if keep_stages
 };
 
 struct Reconstruction {
@@ -57,11 +55,12 @@ struct Reconstruction {
   CompleteMatchingReport complete_matching;
   EdgeOptimisationReport edge_optimisation;
   MeshReport report;
-  double spacing = 0.0;             ///< median sample spacing, input length
+  double spacing = 0.0;  ///< median sample spacing, input length
 };
 
-/// Runs every stage and checks the promise. Throws InvalidInput, Cancelled or ReconstructionFailed, and then
-/// nothing was made. The same input and options give the same bytes, whatever the number of threads.
+/// Runs every stage and checks the promise. Throws InvalidInput, Cancelled or ReconstructionFailed,
+/// and then nothing was made. The same input and options give the same bytes, whatever the number
+/// of threads.
 Reconstruction reconstruct(const std::vector<Vec3>& points, const ReconstructionOptions& options,
                            Progress& progress);
 

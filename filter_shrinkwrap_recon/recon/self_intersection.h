@@ -9,12 +9,21 @@
 
 namespace shrinkwrap {
 
-/// Pairs of faces (f < g, ascending) that cut, touch or overlap each other away from the corners and edges they
-/// share. Exact predicates decide. Corners are shared if their indices are equal. O(F log F) for a surface.
+/// Pairs of faces (f < g, ascending) that cut, touch or overlap each other away from the corners
+/// and edges they share. Exact predicates decide. Corners are shared if their indices are equal.
+/// Degenerate faces (collinear corners), removed ones, and faces with corners that are not finite
+/// are left out. O(F log F) for a surface, and in the number of pairs.
 std::vector<std::pair<Index, Index>> self_intersections(const std::vector<Vec3>& positions,
-                                                        const std::vector<Triangle>& triangles, Progress& progress);
+                                                        const std::vector<Triangle>& triangles,
+                                                        Progress& progress);
 
 /// The faces of such pairs, ascending, each once.
 std::vector<Index> intersecting_faces(const std::vector<std::pair<Index, Index>>& pairs);
+
+/// The same faces straight from the mesh: memory O(F) however many pairs there are, and pairs of
+/// faces that are known already are not tested.
+std::vector<Index> self_intersecting_faces(const std::vector<Vec3>& positions,
+                                           const std::vector<Triangle>& triangles,
+                                           Progress& progress);
 
 }  // namespace shrinkwrap

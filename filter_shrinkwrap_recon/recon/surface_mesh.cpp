@@ -11,10 +11,13 @@ namespace {
 constexpr Index kGrain = 1 << 13;
 
 // The twin of every half-edge, by a counting sort of half-edges on their lower vertex.
-// Throws InvalidInput unless every edge has exactly two faces that run along it in opposite directions.
+// Throws InvalidInput unless every edge has exactly two faces that run along it in opposite
+// directions.
 std::vector<Index> match_twins(Index vertices, const std::vector<Index>& origin) {
   const Index halfedges = static_cast<Index>(origin.size());
-  const auto low_vertex = [&](Index h) { return std::min(origin[h], origin[SurfaceMesh::next(h)]); };
+  const auto low_vertex = [&](Index h) {
+    return std::min(origin[h], origin[SurfaceMesh::next(h)]);
+  };
   std::vector<Index> begin(static_cast<std::size_t>(vertices) + 1, 0);
   for (Index h = 0; h < halfedges; ++h) ++begin[low_vertex(h) + 1];
   for (Index v = 0; v < vertices; ++v) begin[v + 1] += begin[v];
@@ -34,9 +37,11 @@ std::vector<Index> match_twins(Index vertices, const std::vector<Index>& origin)
         const Index g = bucket[j];
         const Index g_from = origin[g], g_to = origin[SurfaceMesh::next(g)];
         if (g_from == from && g_to == to)
-          throw InvalidInput("an edge is shared by faces of inconsistent orientation or by more than two faces");
+          throw InvalidInput(
+              "an edge is shared by faces of inconsistent orientation or by more than two faces");
         if (g_from == to && g_to == from) {
-          if (match != kNone || twin[g] != kNone) throw InvalidInput("an edge is shared by more than two faces");
+          if (match != kNone || twin[g] != kNone)
+            throw InvalidInput("an edge is shared by more than two faces");
           match = g;
         }
       }
@@ -60,14 +65,17 @@ SurfaceMesh SurfaceMesh::from_halfedges(std::vector<Vec3> positions, std::vector
   return mesh;
 }
 
-SurfaceMesh SurfaceMesh::from_triangles(std::vector<Vec3> positions, const std::vector<Triangle>& triangles) {
+SurfaceMesh SurfaceMesh::from_triangles(std::vector<Vec3> positions,
+                                        const std::vector<Triangle>& triangles) {
   const Index vertices = static_cast<Index>(positions.size());
   std::vector<Index> origin;
   origin.reserve(3 * triangles.size());
   for (const Triangle& t : triangles) {
     for (Index v : t)
-      if (v < 0 || v >= vertices) throw InvalidInput("a face refers to a vertex that does not exist");
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) throw InvalidInput("a face uses one vertex twice");
+      if (v < 0 || v >= vertices)
+        throw InvalidInput("a face refers to a vertex that does not exist");
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
+      throw InvalidInput("a face uses one vertex twice");
     origin.insert(origin.end(), t.begin(), t.end());
   }
   std::vector<Index> twin = match_twins(vertices, origin);
@@ -114,7 +122,8 @@ void SurfaceMesh::flip(Index h) {
   const Index o = twin_[h];
   const Index h1 = next(h), h2 = prev(h), o1 = next(o), o2 = prev(o);
   const Index a = origin_[h], b = origin_[o], c = origin_[h2], d = origin_[o2];
-  const Index beyond_bc = twin_[h1], beyond_ca = twin_[h2], beyond_ad = twin_[o1], beyond_db = twin_[o2];
+  const Index beyond_bc = twin_[h1], beyond_ca = twin_[h2], beyond_ad = twin_[o1],
+              beyond_db = twin_[o2];
   origin_[h] = d;
   origin_[h1] = c;
   origin_[h2] = a;
@@ -160,7 +169,8 @@ void SurfaceMesh::collapse(Index h) {
   const Index h1 = next(h), h2 = prev(h), o1 = next(o), o2 = prev(o);
   const Index a = origin_[h], b = origin_[o], c = origin_[h2], d = origin_[o2];
   for (Index g = rotate(h); g != h; g = rotate(g)) origin_[g] = b;
-  const Index beyond_bc = twin_[h1], beyond_ca = twin_[h2], beyond_ad = twin_[o1], beyond_db = twin_[o2];
+  const Index beyond_bc = twin_[h1], beyond_ca = twin_[h2], beyond_ad = twin_[o1],
+              beyond_db = twin_[o2];
   link(beyond_bc, beyond_ca);
   link(beyond_ad, beyond_db);
   for (Index g : {h, h1, h2, o, o1, o2}) origin_[g] = twin_[g] = kNone;
@@ -222,7 +232,8 @@ std::vector<Index> SurfaceMesh::compact() {
     }
   const std::vector<Index> order = morton_order(kept);
   std::vector<Index> new_index(position.size(), kNone);
-  for (std::size_t i = 0; i < order.size(); ++i) new_index[kept_vertex[order[i]]] = static_cast<Index>(i);
+  for (std::size_t i = 0; i < order.size(); ++i)
+    new_index[kept_vertex[order[i]]] = static_cast<Index>(i);
   renumber(new_index);
   return new_index;
 }

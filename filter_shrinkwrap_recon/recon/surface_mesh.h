@@ -1,5 +1,5 @@
-// A closed, oriented triangle 2-manifold as an index half-edge structure, with the local operations of the method,
-// each beside the test that keeps the mesh a closed 2-manifold.
+// A closed, oriented triangle 2-manifold as an index half-edge structure, with the local operations
+// of the method, each beside the test that keeps the mesh a closed 2-manifold.
 #pragma once
 
 #include <array>
@@ -28,23 +28,27 @@ class SharedCount {
   std::atomic<Index> count_{0};
 };
 
-/// Closed triangle mesh. Half-edges 3f, 3f+1, 3f+2 run counter-clockwise around face f (seen from outside), so
-/// that `next`, `prev` and `face` are arithmetic; only origin, twin and one outgoing half-edge per vertex are
-/// stored: 24 bytes a face and 4 a vertex beside the positions.
+/// Closed triangle mesh. Half-edges 3f, 3f+1, 3f+2 run counter-clockwise around face f (seen from
+/// outside), so that `next`, `prev` and `face` are arithmetic; only origin, twin and one outgoing
+/// half-edge per vertex are stored: 24 bytes a face and 4 a vertex beside the positions.
 ///
-/// Operations may be run from several threads at once if the vertices they read and write are disjoint and
-/// nothing is appended meanwhile. Removed faces and vertices leave free slots (`is_removed`); `compact` drops them.
+/// Operations may be run from several threads at once if the vertices they read and write are
+/// disjoint and nothing is appended meanwhile. Removed faces and vertices leave free slots
+/// (`is_removed`); `compact` drops them.
 class SurfaceMesh {
  public:
   std::vector<Vec3> position;  ///< one per vertex slot, in the frame of the stage
 
   SurfaceMesh() = default;
 
-  /// Builds the connectivity of a list of triangles; the mesh is the same, index for index, whoever builds it.
-  /// Throws InvalidInput if the faces do not form a closed, consistently oriented 2-manifold in which every
-  /// vertex has exactly one fan (a vertex without faces is refused too). O(F), parallel.
-  static SurfaceMesh from_triangles(std::vector<Vec3> positions, const std::vector<Triangle>& triangles);
-  /// As from_triangles, for faces known to form a closed 2-manifold and whose twins the caller computed.
+  /// Builds the connectivity of a list of triangles; the mesh is the same, index for index, whoever
+  /// builds it. Throws InvalidInput if the faces do not form a closed, consistently oriented
+  /// 2-manifold in which every vertex has exactly one fan (a vertex without faces is refused too).
+  /// O(F), parallel.
+  static SurfaceMesh from_triangles(std::vector<Vec3> positions,
+                                    const std::vector<Triangle>& triangles);
+  /// As from_triangles, for faces known to form a closed 2-manifold and whose twins the caller
+  /// computed.
   static SurfaceMesh from_halfedges(std::vector<Vec3> positions, std::vector<Index> origins,
                                     std::vector<Index> twins);
 
@@ -61,14 +65,18 @@ class SurfaceMesh {
   static Index face(Index h) { return h / 3; }
   Index origin(Index h) const { return origin_[h]; }
   Index target(Index h) const { return origin_[next(h)]; }
-  Index opposite(Index h) const { return origin_[prev(h)]; }  ///< the corner of h's face that is not on h
+  Index opposite(Index h) const {
+    return origin_[prev(h)];
+  }  ///< the corner of h's face that is not on h
   Index twin(Index h) const { return twin_[h]; }
   Index outgoing(Index v) const { return outgoing_[v]; }  ///< one half-edge that leaves v
   /// The outgoing half-edge that follows h counter-clockwise around its origin.
   Index rotate(Index h) const { return twin_[prev(h)]; }
   bool is_removed_face(Index f) const { return origin_[3 * f] == kNone; }
   bool is_removed_vertex(Index v) const { return outgoing_[v] == kNone; }
-  Triangle triangle(Index f) const { return {origin_[3 * f], origin_[3 * f + 1], origin_[3 * f + 2]}; }
+  Triangle triangle(Index f) const {
+    return {origin_[3 * f], origin_[3 * f + 1], origin_[3 * f + 2]};
+  }
 
   /// Calls `fn(h)` for each half-edge that leaves v, counter-clockwise.
   template <class Fn>
@@ -90,44 +98,49 @@ class SurfaceMesh {
 
   /// Twice the area times the unit normal of a face.
   Vec3 area_vector(Index f) const {
-    const Vec3 &a = position[origin_[3 * f]], &b = position[origin_[3 * f + 1]], &c = position[origin_[3 * f + 2]];
+    const Vec3 &a = position[origin_[3 * f]], &b = position[origin_[3 * f + 1]],
+               &c = position[origin_[3 * f + 2]];
     return (b - a).cross(c - a);
   }
   /// Area-weighted unit normal of a vertex; +z where the faces around it cancel out.
   Vec3 vertex_normal(Index v) const;
   std::vector<Vec3> vertex_normals() const;  ///< all of them, parallel
 
-  /// True if the edge of h may be exchanged for the other diagonal of its two triangles: the diagonal is not an
-  /// edge yet. Purely topological.
+  /// True if the edge of h may be exchanged for the other diagonal of its two triangles: the
+  /// diagonal is not an edge yet. Purely topological.
   bool is_flip_legal(Index h) const;
-  /// Exchanges the diagonal. Afterwards h runs from the former opposite(twin(h)) to the former opposite(h).
-  /// Pre: is_flip_legal(h).
+  /// Exchanges the diagonal. Afterwards h runs from the former opposite(twin(h)) to the former
+  /// opposite(h). Pre: is_flip_legal(h).
   void flip(Index h);
 
-  /// Link condition (Dey et al. 1999) for merging origin(h) into target(h): the common neighbours of the two are
-  /// exactly the two opposite corners, and these keep valence 3 or more. No allocation.
+  /// Link condition (Dey et al. 1999) for merging origin(h) into target(h): the common neighbours
+  /// of the two are exactly the two opposite corners, and these keep valence 3 or more. No
+  /// allocation.
   bool is_collapse_legal(Index h) const;
   /// Merges origin(h) into target(h), whose position is kept; removes one vertex and two faces.
   /// Pre: is_collapse_legal(h).
   void collapse(Index h);
 
-  /// Inserts a vertex into a face (1-to-3 split) and returns it. The face slot keeps its first edge.
+  /// Inserts a vertex into a face (1-to-3 split) and returns it. The face slot keeps its first
+  /// edge.
   Index split_face(Index f, const Vec3& p);
   /// Appends free slots for split_face_into: `vertices` more vertices and `faces` more faces.
   void append_slots(Index vertices, Index faces);
-  /// As split_face, using vertex slot v and the face slots g and k that append_slots made (so that many splits
-  /// can be laid out beforehand).
+  /// As split_face, using vertex slot v and the face slots g and k that append_slots made (so that
+  /// many splits can be laid out beforehand).
   void split_face_into(Index f, Index v, Index g, Index k);
 
-  /// Drops removed slots, renumbers vertices along a Morton curve and faces by their lowest vertex, and makes
-  /// `outgoing` the lowest half-edge of each vertex: the canonical form, in which from_triangles of the triangles
-  /// gives the same mesh. Returns, for each old vertex, its new index or kNone. O(V log V).
+  /// Drops removed slots, renumbers vertices along a Morton curve and faces by their lowest vertex,
+  /// and makes `outgoing` the lowest half-edge of each vertex: the canonical form, in which
+  /// from_triangles of the triangles gives the same mesh. Returns, for each old vertex, its new
+  /// index or kNone. O(V log V).
   std::vector<Index> compact();
-  /// As compact, with the order of vertices given: `new_index[old]`, kNone for removed vertices; a bijection of
-  /// the vertices that are left onto [0, vertex_count()).
+  /// As compact, with the order of vertices given: `new_index[old]`, kNone for removed vertices; a
+  /// bijection of the vertices that are left onto [0, vertex_count()).
   void renumber(const std::vector<Index>& new_index);
 
-  /// Every internal link is consistent and every vertex has one fan. O(F); for tests and run-time postconditions.
+  /// Every internal link is consistent and every vertex has one fan. O(F); for tests and run-time
+  /// postconditions.
   bool is_consistent() const;
 
   std::vector<Triangle> triangles() const;  ///< of the faces that are left, in order
@@ -144,7 +157,8 @@ class SurfaceMesh {
   SharedCount removed_vertices_, removed_faces_;
 };
 
-/// Connected components by edges: the component of each vertex, numbered in order of lowest vertex, and how many.
+/// Connected components by edges: the component of each vertex, numbered in order of lowest vertex,
+/// and how many.
 struct MeshComponents {
   std::vector<Index> of_vertex;
   Index count = 0;

@@ -1,7 +1,9 @@
-// Vocabulary shared by every stage: scalars, points, element indices, the frame, and the three kinds of error.
+// Vocabulary shared by every stage: scalars, points, element indices, the frame, and the three
+// kinds of error.
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
@@ -13,19 +15,25 @@ namespace shrinkwrap {
 using Vec3 = Eigen::Vector3d;
 using Vec3f = Eigen::Vector3f;
 
-/// Index of a vertex, half-edge or face of a SurfaceMesh, or of a sample in the order of a PointCloud.
-/// 32 bits reach 10 million samples with room to spare (12 half-edges per sample while re-tiling).
+/// Index of a vertex, half-edge or face of a SurfaceMesh, or of a sample in the order of a
+/// PointCloud. 32 bits reach 10 million samples with room to spare (12 half-edges per sample while
+/// re-tiling).
 using Index = std::int32_t;
 constexpr Index kNone = -1;
 
-/// A sample named from the side of a mesh. A type of its own, so that a vertex index and the sample that the
-/// vertex stands for cannot be mixed up: complete matching is a bijection between the two.
+/// A sample named from the side of a mesh. A type of its own, so that a vertex index and the sample
+/// that the vertex stands for cannot be mixed up: complete matching is a bijection between the two.
 enum class SampleId : std::int32_t { none = -1 };
-inline Index to_index(SampleId sample) { return static_cast<Index>(sample); }
-inline SampleId to_sample(Index index) { return static_cast<SampleId>(index); }
+inline Index to_index(SampleId sample) {
+  return static_cast<Index>(sample);
+}
+inline SampleId to_sample(Index index) {
+  return static_cast<SampleId>(index);
+}
 
-/// The unit frame in which all stages work: moved to the origin and scaled by a power of two, so that a cloud
-/// anywhere and of any size meets the same arithmetic. `to_unit` rounds at most once per coordinate.
+/// The unit frame in which all stages work: moved to the origin and scaled by a power of two, so
+/// that a cloud anywhere and of any size meets the same arithmetic. `to_unit` rounds at most once
+/// per coordinate.
 struct Frame {
   Vec3 center = Vec3::Zero();
   double scale = 1.0;  ///< unit length per input length; a power of two
@@ -34,9 +42,9 @@ struct Frame {
   double to_input_length(double length) const { return length / scale; }
 };
 
-/// The scalar in which the host stores mesh coordinates. Intermediate meshes are rounded to it when one stage
-/// hands over to the next, so that stages run one by one through host layers and the whole pipeline in one call
-/// give the same bytes.
+/// The scalar in which the host stores mesh coordinates. Intermediate meshes are rounded to it when
+/// one stage hands over to the next, so that stages run one by one through host layers and the
+/// whole pipeline in one call give the same bytes.
 enum class HostScalar { single_precision, double_precision };
 
 /// Base of everything the library throws on purpose. `what()` names the problem and the remedy.

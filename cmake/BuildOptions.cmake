@@ -1,0 +1,26 @@
+# Options, and how our own code is compiled.
+option(SHRINKWRAP_BUILD_PLUGIN "Build the MeshLab plugin (needs MeshLab and Qt 5)" ON)
+option(SHRINKWRAP_BUILD_TESTS "Build the tests (needs GoogleTest)" ON)
+option(SHRINKWRAP_SANITIZE "Build with the address and undefined-behaviour sanitizers" OFF)
+
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+endif()
+set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")
+set(CMAKE_CXX_STANDARD 17)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_CXX_VISIBILITY_PRESET hidden)
+set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
+
+# The same bytes on every machine: no contraction into fused multiply-add.
+add_compile_options(-ffp-contract=off)
+
+if(SHRINKWRAP_SANITIZE)
+  add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer -g -O1)
+  add_link_options(-fsanitize=address,undefined)
+endif()
+
+# Linked privately by every target of ours; the headers of others are system headers and stay out of it.
+add_library(shrinkwrap_warnings INTERFACE)
+target_compile_options(shrinkwrap_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Werror)

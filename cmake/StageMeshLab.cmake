@@ -1,0 +1,24 @@
+# cmake -DSTAGE=folder -DLIBRARY_DIR=/usr/lib/<triplet>/meshlab -DPLUGIN=file -P StageMeshLab.cmake
+#
+# The host looks for plugins relative to its own executable, symbolic links resolved: so the programs are copies, and
+# everything else is links into the installed MeshLab, with our plugin beside the stock ones.
+get_filename_component(prefix ${LIBRARY_DIR}/../../.. ABSOLUTE)  # /usr
+file(RELATIVE_PATH library_dir ${prefix} ${LIBRARY_DIR})
+
+file(MAKE_DIRECTORY ${STAGE}/bin ${STAGE}/${library_dir}/plugins)
+foreach(program meshlab meshlabserver)
+  if(EXISTS ${prefix}/bin/${program})
+    file(COPY ${prefix}/bin/${program} DESTINATION ${STAGE}/bin)
+  endif()
+endforeach()
+
+file(GLOB libraries ${LIBRARY_DIR}/*.so*)
+foreach(library ${libraries})
+  get_filename_component(name ${library} NAME)
+  file(CREATE_LINK ${library} ${STAGE}/${library_dir}/${name} SYMBOLIC)
+endforeach()
+file(GLOB plugins ${LIBRARY_DIR}/plugins/*.so)
+foreach(plugin ${plugins} ${PLUGIN})
+  get_filename_component(name ${plugin} NAME)
+  file(CREATE_LINK ${plugin} ${STAGE}/${library_dir}/plugins/${name} SYMBOLIC)
+endforeach()

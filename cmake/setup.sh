@@ -1,0 +1,61 @@
+# Set-up shared by the scripts, to be read by a POSIX shell whose `root` is the project's folder: packages, build.
+# shellcheck shell=sh disable=SC2034  # what is set here is used there
+
+build=${SHRINKWRAP_BUILD_DIR:-$root/build}
+host_packages="g++ cmake make qtbase5-dev libqt5opengl5-dev libglew-dev libeigen3-dev libtbb-dev libcgal-dev xz-utils meshlab xvfb xauth"
+test_packages="libgtest-dev python3"
+
+say() { printf '%s\n' "$*" >&2; }
+die() {
+  say "${0##*/}: $*"
+  exit 1
+}
+
+# Installs the packages that are missing, as root or through sudo; needs neither if none is.
+require_packages() {
+  missing=''
+  for package in "$@"; do
+    # shellcheck disable=SC2016  # the braces are dpkg-query's
+    case $(dpkg-query -W -f='${Status}' "$package" 2>/dev/null) in
+      "install ok installed") ;;
+      *) missing="$missing $package" ;;
+    esac
+  done
+  [ -n "$missing" ] || return 0
+  as_root=''
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null 2>&1 || die "as root, please: apt-get install --no-install-recommends$missing"
+    as_root=sudo
+  fi
+  say "Installing:$missing"
+  # shellcheck disable=SC2086  # lists of words
+  {
+    $as_root apt-get -q -o DPkg::Lock::Timeout=300 update >&2 &&
+      $as_root env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o DPkg::Lock::Timeout=300 \
+        --no-install-recommends install $missing >&2
+  } || die "the packages could not be installed:$missing"
+}
+
+# configure FOLDER [cmake options]: quick when it was done before. Output only if it fails.
+configure() {
+  folder=$1
+  shift
+  mkdir -p "$folder"
+  quietly "$folder/configure.log" cmake -S "$root" -B "$folder" "$@"
+}
+
+# compile FOLDER [targets]
+compile() {
+  folder=$1
+  shift
+  quietly "$folder/compile.log" cmake --build "$folder" --parallel "$(nproc)" ${1:+--target} "$@"
+}
+
+quietly() {
+  log=$1
+  shift
+  "$@" >"$log" 2>&1 || {
+    tail -n 60 "$log" >&2
+    die "this failed: $* (all of its output: $log)"
+  }
+}

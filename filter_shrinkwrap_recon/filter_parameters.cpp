@@ -1,0 +1,382 @@
+#include "filter_parameters.h"
+
+#include <cmath>
+#include <sstream>
+
+namespace shrinkwrap {
+namespace {
+
+using Kind = Parameter::Kind;
+
+// Names of parameters, each used where it is declared and where it is read.
+constexpr char kMethod[] = "Method";
+constexpr char kStopAtSurface[] = "StopAtParametricSurface";
+constexpr char kOpenings[] = "Openings";
+constexpr char kSelectedOnly[] = "SelectedOnly";
+constexpr char kKeepStages[] = "KeepStages";
+constexpr char kThreads[] = "Threads";
+constexpr char kNeighbours[] = "Neighbours";
+constexpr char kVoxelSize[] = "VoxelSize";
+constexpr char kLevel[] = "Level";
+constexpr char kMinComponent[] = "MinComponentSamples";
+constexpr char kShrinkIterations[] = "ShrinkIterations";
+constexpr char kBoxLevels[] = "BoxLevels";
+constexpr char kProjection[] = "Projection";
+constexpr char kBoxRelaxation[] = "BoxRelaxation";
+constexpr char kControlVertices[] = "ControlVertices";
+constexpr char kFitIterations[] = "FitIterations";
+constexpr char kAttraction[] = "Attraction";
+constexpr char kCountIntersections[] = "CountIntersections";
+constexpr char kFailIfIncomplete[] = "FailIfIncomplete";
+
+constexpr double kMostElements = 1e9;
+
+Parameter boolean(const char* name, const char* label, bool value, const char* tooltip) {
+  Parameter parameter;
+  parameter.name = name;
+  parameter.label = label;
+  parameter.tooltip = tooltip;
+  parameter.default_value = value ? 1.0 : 0.0;
+  return parameter;
+}
+
+Parameter number(Kind kind, const char* name, const char* label, double value, double minimum,
+                 double maximum, const char* tooltip) {
+  Parameter parameter = boolean(name, label, false, tooltip);
+  parameter.kind = kind;
+  parameter.default_value = value;
+  parameter.minimum = minimum;
+  parameter.maximum = maximum;
+  return parameter;
+}
+
+Parameter choice(const char* name, const char* label, std::vector<std::string> choices,
+                 const char* tooltip) {
+  Parameter parameter = number(Kind::choice, name, label, 0.0, 0.0,
+                               static_cast<double>(choices.size()) - 1.0, tooltip);
+  parameter.choices = std::move(choices);
+  return parameter;
+}
+
+Parameter layer(const char* name, const char* label, const char* tooltip) {
+  return number(Kind::layer, name, label, 0.0, 0.0, kMostElements, tooltip);
+}
+
+Parameter advanced(Parameter parameter) {
+  parameter.advanced = true;
+  return parameter;
+}
+
+// --- parameters that several filters share ---
+
+Parameter samples_layer() {
+  return layer(kSamplesLayer, "Samples",
+               "The layer whose points are the samples: the same for all stages of one "
+               "reconstruction. It is not changed.");
+}
+
+Parameter mesh_layer(const char* tooltip) {
+  return layer(kMeshLayer, "Mesh", tooltip);
+}
+
+Parameter method() {
+  return choice(kMethod, "Method", {"Robust (default)", "As in the paper"},
+                "<b>Robust</b> starts from the solid that the samples enclose, so that holes "
+                "through the object, deep "
+                "cavities and several bodies come out right.<br><b>As in the paper</b> shrinks the "
+                "bounding box onto the "
+                "samples and uses the paper's own steps and constants: right only for one body "
+                "without holes through it "
+                "(genus 0) and without deep cavities.");
+}
+
+Parameter selected_only() {
+  return boolean(
+      kSelectedOnly, "Selected points only", false,
+      "Use only the selected points of the layer as samples. At least 4 must be selected.");
+}
+
+Parameter openings() {
+  return choice(kOpenings, "Openings in the scan", {"Close", "Leave open"},
+                "What becomes of places without samples that are wider than about four sample "
+                "spacings.<br><b>Close</b> "
+                "spans them, and the mesh is watertight.<br><b>Leave open</b> takes the faces that "
+                "span them away, and "
+                "the mesh has a border there.");
+}
+
+Parameter threads() {
+  return advanced(number(Kind::integer, kThreads, "Threads", 0, 0, 1024,
+                         "Number of threads; 0: as many as the machine has. The result is the same "
+                         "for any number: fewer "
+                         "only leave more of the machine to other work. Range 0 to 1024."));
+}
+
+Parameter neighbours() {
+  return advanced(number(Kind::integer, kNeighbours, "Neighbours", 16, 6, 64,
+                         "Nearest samples from which spacing and normal of a sample are taken. "
+                         "Raised: steadier on noisy "
+                         "clouds, blurs thin walls and sharp edges. Lowered: finer detail, less "
+                         "steady (12 already loses "
+                         "thin walls). Unit: samples; range 6 to 64."));
+}
+
+Parameter count_intersections() {
+  return advanced(boolean(kCountIntersections, "Count self-intersections", true,
+                          "Count the faces that cut or touch each other, exactly, for the report. "
+                          "Off: a little faster."));
+}
+
+// --- advanced parameters of one stage each; the one-shot filter has them all ---
+
+std::vector<Parameter> initial_mesh_parameters() {
+  return {
+      neighbours(),
+      advanced(number(Kind::real, kVoxelSize, "Voxel size", 1.5, 0.75, 4.0,
+                      "Robust method: edge of the voxels of the first solid. Lowered (1.0): parts "
+                      "that come close to each "
+                      "other are kept apart, at the price of false holes in sparse places. Raised "
+                      "(2 to 3): closes gaps of "
+                      "uneven clouds, may glue close parts together. Unit: median sample spacing; "
+                      "range 0.75 to 4.")),
+      advanced(number(Kind::real, kLevel, "Inside level", 0.4, 0.05, 0.95,
+                      "Robust method: what counts as inside, 0 far outside to 1 deep inside. "
+                      "Lowered (0.3): openings are "
+                      "spanned farther out, good for half scans. Raised (0.5): tighter, may tear "
+                      "false handles. No unit; "
+                      "range 0.05 to 0.95.")),
+      advanced(number(Kind::integer, kMinComponent, "Smallest body", 30, 4, kMostElements,
+                      "Robust method: bodies and cavities supported by fewer samples than this get "
+                      "no surface of their own. "
+                      "Raised: clumps of stray points do not become bodies. Lowered: small real "
+                      "parts are kept. Unit: "
+                      "samples; range 4 and up.")),
+      advanced(number(Kind::integer, kShrinkIterations, "Shrink iterations", 6, 0, 200,
+                      "Robust method: steps in which the first mesh moves onto the samples. "
+                      "Raised: closer and smoother, "
+                      "slower; 4 to 10 are useful. Range 0 to 200.")),
+      advanced(number(Kind::integer, kBoxLevels, "Box subdivisions", -1, -1, 10,
+                      "As in the paper: how often the bounding box is split one to four; -1: as "
+                      "often as leaves at least "
+                      "four samples for a vertex. Each one more gives four times the vertices. "
+                      "Range -1 to 10.")),
+      advanced(number(Kind::real, kProjection, "Projection", 0.85, 0.05, 1.0,
+                      "As in the paper (eq. 5): the part of the way to its nearest sample that a "
+                      "vertex goes in one step. "
+                      "Raised towards 1: faster, vertices crowd at samples. Lowered: needs more "
+                      "steps. Range 0.05 to 1.")),
+      advanced(number(Kind::real, kBoxRelaxation, "Relaxation", 0.2, 0.0, 0.5,
+                      "As in the paper (eq. 8): how much vertices spread evenly along the surface "
+                      "in one step. Raised: "
+                      "more even, less close. Range 0 to 0.5.")),
+  };
+}
+
+Parameter control_vertices() {
+  return advanced(number(
+      Kind::integer, kControlVertices, "Control vertices", 0, 0, kMostElements,
+      "Vertices of the control mesh; 0: the number from which two subdivisions come nearest to the "
+      "number of samples. Raised: follows finer detail, and noise. Lowered: smoother surface "
+      "before the "
+      "matching. Unit: vertices; 0, or 4 and up."));
+}
+
+std::vector<Parameter> parametric_surface_parameters() {
+  return {
+      advanced(number(Kind::integer, kFitIterations, "Fitting iterations", 5, 0, 200,
+                      "Steps in which the surface moves onto the samples after each subdivision. "
+                      "Raised: closer, slower; "
+                      "4 to 8 are useful. Lowered: smoother. Range 0 to 200.")),
+      advanced(number(Kind::real, kAttraction, "Attraction", 0.0, 0.0, 1.0,
+                      "Lambda of eq. 14: the part of the way to the samples that a vertex goes in "
+                      "one step; 0: what the "
+                      "method has (Robust 0.7, As in the paper 0.85). Raised: closer and faster, "
+                      "less even. Range 0 to 1.")),
+  };
+}
+
+void append(std::vector<Parameter>& list, const std::vector<Parameter>& more) {
+  list.insert(list.end(), more.begin(), more.end());
+}
+
+std::vector<Parameter> reconstruct_parameters() {
+  std::vector<Parameter> list = {
+      method(),
+      boolean(kStopAtSurface, "Stop at the parametric surface", false,
+              "Return the smooth closed surface near the samples in place of the mesh through "
+              "every sample. The better "
+              "choice when the points are noisy (more than about a quarter of their spacing)."),
+      openings(),
+      selected_only(),
+      advanced(boolean(kKeepStages, "Keep every stage as a layer", false,
+                       "Also add the initial mesh, the control mesh, the parametric surface and "
+                       "the complete matching "
+                       "before its edges are optimised, each as a layer. Takes more memory.")),
+  };
+  append(list, initial_mesh_parameters());
+  list.push_back(control_vertices());
+  append(list, parametric_surface_parameters());
+  list.push_back(count_intersections());
+  return list;
+}
+
+// --- reading values ---
+
+std::string text_of(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+void check(const Parameter& parameter, const ParameterValues& values) {
+  const auto found = values.find(parameter.name);
+  if (found == values.end())
+    throw InvalidInput("the parameter " + parameter.name +
+                       " is missing, or of another type than declared");
+  const double value = found->second;
+  const bool whole = parameter.kind == Kind::real || value == std::floor(value);
+  if (value >= parameter.minimum && value <= parameter.maximum && whole) return;
+  throw InvalidInput("the parameter " + parameter.name + " is " + text_of(value) +
+                     ": it must be a" + (parameter.kind == Kind::real ? "" : " whole") +
+                     " number from " + text_of(parameter.minimum) + " to " +
+                     text_of(parameter.maximum));
+}
+
+// Reads values; a parameter that the filter does not have leaves its option as it is.
+class Reader {
+ public:
+  explicit Reader(const ParameterValues& values) : values_(values) {}
+
+  template <class Value>
+  void read(const char* name, Value& option) const {
+    const auto found = values_.find(name);
+    if (found != values_.end()) option = static_cast<Value>(found->second);
+  }
+  bool is_on(const char* name) const {
+    const auto found = values_.find(name);
+    return found != values_.end() && found->second != 0.0;
+  }
+
+ private:
+  const ParameterValues& values_;
+};
+
+}  // namespace
+
+const char* filter_name(Filter filter) {
+  switch (filter) {
+    case Filter::reconstruct:
+      return "Surface Reconstruction: Shrink Wrap";
+    case Filter::initial_mesh:
+      return "Shrink Wrap: Initial Mesh";
+    case Filter::control_mesh:
+      return "Shrink Wrap: Control Mesh";
+    case Filter::parametric_surface:
+      return "Shrink Wrap: Parametric Surface";
+    case Filter::complete_matching:
+      return "Shrink Wrap: Complete Matching";
+    case Filter::edge_optimisation:
+      return "Shrink Wrap: Edge Optimisation";
+    case Filter::matching_report:
+      return "Shrink Wrap: Matching Report";
+    case Filter::distance_to_samples:
+      return "Shrink Wrap: Distance to Samples";
+  }
+  return "";
+}
+
+std::vector<Parameter> parameters_of(Filter filter) {
+  std::vector<Parameter> list;
+  switch (filter) {
+    case Filter::reconstruct:
+      list = reconstruct_parameters();
+      break;
+    case Filter::initial_mesh:
+      list = {samples_layer(), selected_only(), method()};
+      append(list, initial_mesh_parameters());
+      break;
+    case Filter::control_mesh:
+      list = {samples_layer(),
+              mesh_layer("The initial mesh: a closed 2-manifold. It is not changed."),
+              selected_only(), method(), control_vertices()};
+      break;
+    case Filter::parametric_surface:
+      list = {samples_layer(),
+              mesh_layer("The control mesh: a closed 2-manifold. It is not changed."),
+              selected_only(), method(), neighbours()};
+      append(list, parametric_surface_parameters());
+      break;
+    case Filter::complete_matching:
+      list = {samples_layer(),
+              mesh_layer("The parametric surface: a closed 2-manifold. It is not changed."),
+              selected_only(),
+              method(),
+              openings(),
+              neighbours()};
+      break;
+    case Filter::edge_optimisation:
+      list = {samples_layer(),
+              mesh_layer("The complete matching: a closed 2-manifold. It is not changed."),
+              selected_only(), method(), openings()};
+      break;
+    case Filter::matching_report:
+      list = {samples_layer(), mesh_layer("The mesh to be measured. It is not changed."),
+              selected_only(),
+              boolean(kFailIfIncomplete, "Fail if incomplete", false,
+                      "Treat a mesh that is not closed, not 2-manifold or not matched one to one "
+                      "as an error, so that a "
+                      "script stops there."),
+              count_intersections()};
+      break;
+    case Filter::distance_to_samples:
+      list = {samples_layer(), mesh_layer("The layer whose vertex quality becomes the distance."),
+              selected_only()};
+      break;
+  }
+  list.push_back(threads());
+  return list;
+}
+
+ParameterValues default_values(Filter filter) {
+  ParameterValues values;
+  for (const Parameter& parameter : parameters_of(filter))
+    if (parameter.kind != Kind::layer) values[parameter.name] = parameter.default_value;
+  return values;
+}
+
+FilterRequest request_of(Filter filter, const ParameterValues& values) {
+  for (const Parameter& parameter : parameters_of(filter))
+    if (parameter.kind != Kind::layer) check(parameter, values);
+  const Reader reader(values);
+
+  FilterRequest request;
+  ReconstructionOptions& options = request.options;
+  if (reader.is_on(kMethod)) options = as_in_the_paper();
+  request.selected_only = reader.is_on(kSelectedOnly);
+  request.fail_if_incomplete = reader.is_on(kFailIfIncomplete);
+
+  reader.read(kStopAtSurface, options.stop_at_parametric_surface);
+  reader.read(kKeepStages, options.keep_stages);
+  reader.read(kThreads, options.threads);
+  reader.read(kNeighbours, options.samples.neighbours);
+  reader.read(kVoxelSize, options.initial_mesh.voxel_size);
+  reader.read(kLevel, options.initial_mesh.level);
+  reader.read(kMinComponent, options.initial_mesh.min_component_samples);
+  reader.read(kShrinkIterations, options.initial_mesh.shrink_iterations);
+  reader.read(kBoxLevels, options.initial_mesh.levels);
+  reader.read(kProjection, options.initial_mesh.projection);
+  reader.read(kBoxRelaxation, options.initial_mesh.box_relaxation);
+  reader.read(kControlVertices, options.control_mesh.target_vertices);
+  reader.read(kFitIterations, options.parametric_surface.iterations);
+  if (reader.is_on(kAttraction)) reader.read(kAttraction, options.parametric_surface.attraction);
+  reader.read(kCountIntersections, options.report.count_self_intersections);
+  if (reader.is_on(kOpenings))
+    options.complete_matching.openings = CompleteMatchingOptions::Openings::leave_open;
+
+  if (const Index target = options.control_mesh.target_vertices; target > 0 && target < 4)
+    throw InvalidInput("the parameter " + std::string(kControlVertices) + " is " +
+                       std::to_string(target) + ": it must be 0, or 4 and more");
+  return request;
+}
+
+}  // namespace shrinkwrap

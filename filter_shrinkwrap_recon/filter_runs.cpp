@@ -1,0 +1,391 @@
+#include "filter_runs.h"
+
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numeric>
+
+#include "parallel.h"
+#include "voxel_search.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr Index kGrain = 1 << 12;
+
+// --- log lines ---
+
+std::string count_of(Index count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+std::string count_of(Index count, const std::string& one, const std::string& several) {
+  return std::to_string(count) + " " + (count == 1 ? one : several);
+}
+
+std::string formatted(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+std::string table_row(const std::string& stage, Index vertices, double seconds) {
+  char text[128];
+  std::snprintf(text, sizeof text, "%-20s %10d vertices %10.3f s", stage.c_str(),
+                static_cast<int>(vertices), seconds);
+  return text;
+}
+
+std::string conditioning_line(const ConditioningReport& report, double spacing) {
+  return std::to_string(report.given) + " points: " + std::to_string(report.not_finite) +
+         " not finite and " + std::to_string(report.duplicates) + " duplicates left out; " +
+         std::to_string(report.distinct) + " samples, median spacing " + formatted("%.6g", spacing);
+}
+
+std::string verdict_of(const MeshReport& report) {
+  std::string text =
+      report.closed() ? "closed" : "open (" + count_of(report.border_loops, "border") + ")";
+  if (report.manifold())
+    text += " 2-manifold of genus " + std::to_string(report.genus);
+  else
+    text += ", NOT a 2-manifold";
+  text += ", " + count_of(report.components, "component") + "; " +
+          std::to_string(report.samples_matched) + " of " + std::to_string(report.samples) +
+          " samples matched";
+  if (report.vertices_extra > 0)
+    text +=
+        ", " + count_of(report.vertices_extra, "extra vertex", "extra vertices") + " beside them";
+  if (report.self_intersecting_faces >= 0)
+    text += "; " + count_of(report.self_intersecting_faces, "self-intersecting face");
+  return text;
+}
+
+std::string surface_verdict(const char* what, const SurfaceMesh& mesh) {
+  return kSucceeded + std::string(what) + ", " + std::to_string(mesh.vertex_count()) +
+         " vertices, " + std::to_string(mesh.face_count()) + " faces, Euler characteristic " +
+         std::to_string(mesh.euler_characteristic());
+}
+
+// --- warnings: the result keeps the promise, but may not be what the user wants ---
+
+void warn_of(const OrientationReport& report, std::vector<std::string>& warnings) {
+  if (report.undecided_components > 0)
+    warnings.push_back(
+        count_of(report.undecided_components, "part") +
+        " of the cloud cannot be seen from outside: which side of them is outside is a guess.");
+}
+
+void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings) {
+  if (report.samples_with_solid_behind < 0.999)
+    warnings.push_back(formatted("%.2f", 100.0 * (1.0 - report.samples_with_solid_behind)) +
+                       " % of the samples have no solid behind them: walls may be thinner than the "
+                       "cloud resolves.");
+  if (report.dropped > 0)
+    warnings.push_back(
+        count_of(report.dropped, "small body or cavity", "small bodies or cavities") +
+        " left out: see MinComponentSamples.");
+}
+
+void warn_of(const CompleteMatchingReport& report, std::vector<std::string>& warnings) {
+  if (report.max_foot_distance > 2.0)
+    warnings.push_back("A sample lies " + formatted("%.1f", report.max_foot_distance) +
+                       " spacings from the parametric surface: look at the mesh there.");
+  if (report.extra_vertices > 0)
+    warnings.push_back(count_of(report.extra_vertices, "vertex", "vertices") +
+                       " without a sample span openings and could not be removed without harm.");
+}
+
+// --- the samples of a stage that runs on its own ---
+
+struct PreparedSamples {
+  PointCloud cloud;
+  VoxelSearch search;
+};
+
+PreparedSamples prepare(const FilterInput& input, const ReconstructionOptions& options,
+                        Progress& progress, FilterOutcome& outcome) {
+  PreparedSamples samples;
+  samples.cloud = prepare_samples(input.points, options.samples, progress);
+  samples.search = VoxelSearch(samples.cloud.position);
+  outcome.log.push_back(conditioning_line(
+      samples.cloud.conditioning, samples.cloud.frame.to_input_length(samples.cloud.spacing)));
+  return samples;
+}
+
+PreparedSamples prepare_oriented(const FilterInput& input, const ReconstructionOptions& options,
+                                 Progress& progress, FilterOutcome& outcome) {
+  PreparedSamples samples = prepare(input, options, progress, outcome);
+  warn_of(orient_normals(samples.cloud, options.orientation, progress), outcome.warnings);
+  return samples;
+}
+
+// --- filters ---
+
+FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& input,
+                              Progress& progress) {
+  Reconstruction result = reconstruct(input.points, request.options, progress);
+
+  FilterOutcome outcome;
+  outcome.log.push_back(conditioning_line(result.conditioning, result.spacing));
+  double total = 0.0;
+  for (const StageRecord& stage : result.stages) {
+    outcome.log.push_back(table_row(stage.name, stage.vertices, stage.seconds));
+    total += stage.seconds;
+  }
+  outcome.log.push_back(table_row("total", static_cast<Index>(result.mesh.position.size()), total));
+  for (std::string& line : describe(result.report)) outcome.log.push_back(std::move(line));
+  outcome.log.push_back(kSucceeded + verdict_of(result.report));
+  warn_of(result.orientation, outcome.warnings);
+  warn_of(result.initial_mesh, outcome.warnings);
+  warn_of(result.complete_matching, outcome.warnings);
+
+  outcome.layer_suffix =
+      request.options.stop_at_parametric_surface ? "shrink wrap parametric surface" : "shrink wrap";
+  outcome.mesh = std::move(result.mesh);
+  for (StageRecord& stage : result.stages) {
+    // The last stage that made a mesh is the result itself.
+    const bool is_result = &stage == &result.stages[result.stages.size() - 2];
+    if (!is_result && !stage.mesh.triangles.empty()) outcome.stages.push_back(std::move(stage));
+  }
+  return outcome;
+}
+
+FilterOutcome run_initial_mesh(const FilterRequest& request, const FilterInput& input,
+                               Progress& progress) {
+  FilterOutcome outcome;
+  const PreparedSamples samples = prepare_oriented(input, request.options, progress, outcome);
+  const InitialMesh initial =
+      make_initial_mesh(samples.cloud, samples.search, request.options.initial_mesh, progress);
+  warn_of(initial.report, outcome.warnings);
+  outcome.log.push_back(surface_verdict("initial mesh", initial.mesh));
+  outcome.mesh = to_result(initial.mesh, samples.cloud.frame);
+  outcome.layer_suffix = "initial mesh";
+  return outcome;
+}
+
+FilterOutcome run_control_mesh(const FilterRequest& request, const FilterInput& input,
+                               Progress& progress) {
+  FilterOutcome outcome;
+  const PreparedSamples samples = prepare(input, request.options, progress, outcome);
+  const ControlMesh control =
+      make_control_mesh(to_surface(input.mesh, samples.cloud.frame), samples.cloud.size(),
+                        request.options.control_mesh, progress);
+  outcome.log.push_back("target " + count_of(control.report.target_vertices, "vertex", "vertices"));
+  outcome.log.push_back(surface_verdict("control mesh", control.mesh));
+  outcome.mesh = to_result(control.mesh, samples.cloud.frame);
+  outcome.layer_suffix = "control mesh";
+  return outcome;
+}
+
+FilterOutcome run_parametric_surface(const FilterRequest& request, const FilterInput& input,
+                                     Progress& progress) {
+  FilterOutcome outcome;
+  const PreparedSamples samples = prepare_oriented(input, request.options, progress, outcome);
+  const ParametricSurface surface =
+      make_parametric_surface(to_surface(input.mesh, samples.cloud.frame), samples.cloud,
+                              samples.search, request.options.parametric_surface, progress);
+  outcome.log.push_back("distance of the vertices from the samples' surface: mean " +
+                        formatted("%.3f", surface.report.mean_distance) + ", greatest " +
+                        formatted("%.3f", surface.report.max_distance) + " spacings");
+  outcome.log.push_back(surface_verdict("parametric surface", surface.mesh));
+  outcome.mesh = to_result(surface.mesh, samples.cloud.frame);
+  outcome.layer_suffix = "parametric surface";
+  return outcome;
+}
+
+FilterOutcome run_complete_matching(const FilterRequest& request, const FilterInput& input,
+                                    Progress& progress) {
+  FilterOutcome outcome;
+  const PreparedSamples samples = prepare_oriented(input, request.options, progress, outcome);
+  CompleteMatching matching =
+      match_samples(to_surface(input.mesh, samples.cloud.frame), samples.cloud, samples.search,
+                    request.options.complete_matching, progress);
+  warn_of(matching.report, outcome.warnings);
+  outcome.log.push_back("distance of the samples from the parametric surface: mean " +
+                        formatted("%.3f", matching.report.mean_foot_distance) + ", greatest " +
+                        formatted("%.3f", matching.report.max_foot_distance) + " spacings; " +
+                        count_of(matching.report.membranes, "opening"));
+  outcome.log.push_back(surface_verdict("complete matching", matching.mesh));
+  outcome.mesh = to_result(matching, samples.cloud, input.points);
+  outcome.marked_faces = std::move(matching.spanning_faces);
+  outcome.layer_suffix = "complete matching";
+  return outcome;
+}
+
+// The complete matching that a mesh through the samples was made from: vertex i is sample i,
+// further vertices follow, faces as they are. Throws InvalidInput if a sample is no vertex of the
+// mesh.
+CompleteMatching matching_of(const FilterInput& input, const PointCloud& cloud) {
+  const auto order_of = [](Index count, const auto& at) {
+    std::vector<Index> order(static_cast<std::size_t>(count));
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&](Index a, Index b) {
+      const Vec3 &p = at(a), &q = at(b);
+      for (int axis = 0; axis < 3; ++axis)
+        if (p[axis] != q[axis]) return p[axis] < q[axis];
+      return a < b;
+    });
+    return order;
+  };
+  const auto sample_at = [&](Index sample) -> const Vec3& {
+    return input.points[cloud.input_index[sample]];
+  };
+  const auto vertex_at = [&](Index vertex) -> const Vec3& { return input.mesh.position[vertex]; };
+  const Index vertices = static_cast<Index>(input.mesh.position.size());
+  const std::vector<Index> samples = order_of(cloud.size(), sample_at);
+  const std::vector<Index> by_position = order_of(vertices, vertex_at);
+
+  std::vector<Index> new_index(static_cast<std::size_t>(vertices), kNone);
+  Index matched = 0;
+  for (const Index vertex : by_position)
+    if (matched < cloud.size() && vertex_at(vertex) == sample_at(samples[matched]))
+      new_index[vertex] = samples[matched++];
+  if (matched < cloud.size())
+    throw InvalidInput(
+        "the mesh does not pass through every sample: choose the layer that Complete Matching made "
+        "from "
+        "these samples, with the same selection");
+  Index extra = cloud.size();
+  for (Index& index : new_index)
+    if (index == kNone) index = extra++;
+
+  ResultMesh renumbered;
+  renumbered.position.resize(input.mesh.position.size());
+  for (Index v = 0; v < vertices; ++v) renumbered.position[new_index[v]] = vertex_at(v);
+  renumbered.triangles = input.mesh.triangles;
+  for (Triangle& triangle : renumbered.triangles)
+    for (Index& v : triangle) v = new_index[v];
+
+  CompleteMatching matching;
+  matching.mesh = to_surface(renumbered, cloud.frame);
+  matching.sample_of_vertex.assign(static_cast<std::size_t>(vertices), SampleId::none);
+  for (Index sample = 0; sample < cloud.size(); ++sample)
+    matching.sample_of_vertex[sample] = to_sample(sample);
+  return matching;
+}
+
+FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterInput& input,
+                                    Progress& progress) {
+  FilterOutcome outcome;
+  const PointCloud cloud = prepare(input, request.options, progress, outcome).cloud;
+  CompleteMatching matching = matching_of(input, cloud);
+  const EdgeOptimisationReport report = optimise_edges(
+      matching.mesh, request.options.edge_optimisation, progress, input.marked_faces);
+  outcome.log.push_back(count_of(report.flips, "edge") + " re-chosen");
+  outcome.log.push_back(surface_verdict("edge optimisation", matching.mesh));
+  outcome.mesh = to_result(matching, cloud, input.points);
+  if (request.options.complete_matching.openings == CompleteMatchingOptions::Openings::leave_open)
+    drop_faces(outcome.mesh, input.marked_faces);
+  outcome.layer_suffix = "shrink wrap";
+  return outcome;
+}
+
+FilterOutcome run_matching_report(const FilterRequest& request, const FilterInput& input,
+                                  Progress& progress) {
+  progress.begin(Stage::report);
+  const MeshReport report = measure_mesh(input.mesh.position, input.mesh.triangles, input.points,
+                                         request.options.report, progress);
+  const bool is_complete = report.closed() && report.manifold() && report.complete_matching();
+  FilterOutcome outcome;
+  outcome.log = describe(report);
+  const std::string verdict =
+      std::string(is_complete ? "complete: " : "NOT complete: ") + verdict_of(report);
+  if (!is_complete && request.fail_if_incomplete) throw ReconstructionFailed(verdict);
+  outcome.log.push_back(kSucceeded + verdict);
+  return outcome;
+}
+
+FilterOutcome run_distance(const FilterInput& input, Progress& progress) {
+  progress.begin(Stage::report);
+  const auto is_finite = [](const Vec3& p) { return p.allFinite(); };
+  std::vector<Vec3> points;
+  std::copy_if(input.points.begin(), input.points.end(), std::back_inserter(points), is_finite);
+  if (points.empty()) throw InvalidInput("there are no samples with finite coordinates");
+  const Frame frame = unit_frame(points);
+  for (Vec3& p : points) p = frame.to_unit(p);
+  const VoxelSearch search(std::move(points));
+
+  FilterOutcome outcome;
+  const std::vector<Vec3>& vertices = input.mesh.position;
+  const Index count = static_cast<Index>(vertices.size());
+  outcome.distance.assign(vertices.size(), 0.0);
+  parallel_for_each(count, kGrain, progress, [&](Index v) {
+    if (is_finite(vertices[v]))
+      outcome.distance[v] = frame.to_input_length(
+          std::sqrt(search.nearest(frame.to_unit(vertices[v])).squared_distance));
+  });
+
+  const auto not_finite = count - std::count_if(vertices.begin(), vertices.end(), is_finite);
+  if (not_finite > 0)
+    outcome.warnings.push_back(count_of(static_cast<Index>(not_finite), "vertex", "vertices") +
+                               " not finite: their distance is set to 0.");
+  const double sum = std::accumulate(outcome.distance.begin(), outcome.distance.end(), 0.0);
+  const double greatest = *std::max_element(outcome.distance.begin(), outcome.distance.end());
+  outcome.log.push_back(
+      kSucceeded + std::string("distance of ") + count_of(count, "vertex", "vertices") + " from " +
+      count_of(static_cast<Index>(input.points.size()), "point") + ": mean " +
+      formatted("%.6g", sum / count) + ", greatest " + formatted("%.6g", greatest));
+  return outcome;
+}
+
+FilterOutcome dispatch(Filter filter, const FilterRequest& request, const FilterInput& input,
+                       Progress& progress) {
+  switch (filter) {
+    case Filter::reconstruct:
+      return run_reconstruct(request, input, progress);
+    case Filter::initial_mesh:
+      return run_initial_mesh(request, input, progress);
+    case Filter::control_mesh:
+      return run_control_mesh(request, input, progress);
+    case Filter::parametric_surface:
+      return run_parametric_surface(request, input, progress);
+    case Filter::complete_matching:
+      return run_complete_matching(request, input, progress);
+    case Filter::edge_optimisation:
+      return run_edge_optimisation(request, input, progress);
+    case Filter::matching_report:
+      return run_matching_report(request, input, progress);
+    case Filter::distance_to_samples:
+      return run_distance(input, progress);
+  }
+  throw InvalidInput("unknown filter");
+}
+
+}  // namespace
+
+std::vector<Stage> stages_of(Filter filter, const FilterRequest& request) {
+  switch (filter) {
+    case Filter::reconstruct:
+      return stages_of(request.options);
+    case Filter::initial_mesh:
+      return {Stage::samples, Stage::orientation, Stage::initial_mesh};
+    case Filter::control_mesh:
+      return {Stage::samples, Stage::control_mesh};
+    case Filter::parametric_surface:
+      return {Stage::samples, Stage::orientation, Stage::parametric_surface};
+    case Filter::complete_matching:
+      return {Stage::samples, Stage::orientation, Stage::complete_matching};
+    case Filter::edge_optimisation:
+      return {Stage::samples, Stage::edge_optimisation};
+    case Filter::matching_report:
+    case Filter::distance_to_samples:
+      return {Stage::report};
+  }
+  return {};
+}
+
+FilterOutcome run_filter(Filter filter, const FilterRequest& request, const FilterInput& input,
+                         Progress& progress) {
+  const bool needs_mesh = filter != Filter::reconstruct && filter != Filter::initial_mesh;
+  if (needs_mesh && input.mesh.position.empty()) throw InvalidInput("the mesh layer is empty");
+  const bool needs_faces = needs_mesh && filter != Filter::distance_to_samples;
+  if (needs_faces && input.mesh.triangles.empty())
+    throw InvalidInput("the mesh layer has no faces");
+
+  const int threads = request.options.threads;
+  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  return arena.execute([&] { return dispatch(filter, request, input, progress); });
+}
+
+}  // namespace shrinkwrap

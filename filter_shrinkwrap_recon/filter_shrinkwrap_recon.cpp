@@ -1,0 +1,316 @@
+#include "filter_shrinkwrap_recon.h"
+
+#include <QFileInfo>
+#include <new>
+
+#include "filter_runs.h"
+#include "mesh_to_vcg.h"
+#include "point_cloud_from_vcg.h"
+#include "progress_from_vcg.h"
+#include "surface_mesh_from_vcg.h"
+
+MESHLAB_PLUGIN_NAME_EXPORTER(ShrinkWrapReconPlugin)
+
+namespace {
+
+using namespace shrinkwrap;
+
+constexpr bool kHostIsSinglePrecision = sizeof(MESHLAB_SCALAR) == sizeof(float);
+
+// What a sample may carry beside its coordinates, and keeps as a vertex.
+constexpr int kCarriedData =
+    MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTRADIUS;
+
+const char* const kReference =
+    "<br><br>See:<br><b>\"Complete 3D Surface Reconstruction from Unstructured Point Cloud\"</b> ";
+
+// The section of the paper, and whose method it builds on.
+QString reference(const char* section, const char* more = "") {
+  return QString(kReference) + section + "<br>" + more;
+}
+
+const char* const kShrinkWrapping =
+    "<i>L. Kobbelt, J. Vorsatz, U. Labsik, H.-P. Seidel</i> <b>\"A Shrink Wrapping Approach to "
+    "Remeshing "
+    "Polygonal Surfaces\"</b> Computer Graphics Forum 18(3), 1999<br>";
+const char* const kWindingNumbers =
+    "<i>G. Barill, N. Dickson, R. Schmidt, D. Levin, A. Jacobson</i> <b>\"Fast Winding Numbers for "
+    "Soups and "
+    "Clouds\"</b> ACM Transactions on Graphics 37(4), 2018<br>";
+const char* const kQuadrics =
+    "<i>M. Garland, P. Heckbert</i> <b>\"Surface Simplification Using Quadric Error Metrics\"</b> "
+    "SIGGRAPH 1997<br>";
+const char* const kFitting =
+    "<i>H. Suzuki, S. Takeuchi, T. Kanai</i> <b>\"Subdivision Surface Fitting to a Range of "
+    "Points\"</b> Pacific "
+    "Graphics 1999<br>";
+const char* const kRetiling =
+    "<i>G. Turk</i> <b>\"Re-Tiling Polygonal Surfaces\"</b> SIGGRAPH 1992<br>";
+
+QString help_of(Filter filter) {
+  switch (filter) {
+    case Filter::reconstruct:
+      return "Makes a <b>watertight 2-manifold mesh whose vertices are exactly the points</b> of "
+             "the current layer: every "
+             "point is one vertex, at its own coordinates. <b>No normals are needed</b>; colours, "
+             "qualities, radii and "
+             "custom attributes of the points are kept. The mesh is a new layer.<br>Use it for raw "
+             "scans of solid objects "
+             "when every measured point counts: reverse engineering, duplication of parts. If the "
+             "points are noisy, "
+             "stop at the parametric surface: a smooth closed surface near the points." +
+             reference("(all sections)", (std::string(kShrinkWrapping) + kWindingNumbers +
+                                          kQuadrics + kFitting + kRetiling)
+                                             .c_str());
+    case Filter::initial_mesh:
+      return "First stage: a <b>closed 2-manifold mesh around the samples</b>, shrunk towards "
+             "them. A new layer.<br>Use "
+             "the single stages to look at what each does, or to change a mesh between two of "
+             "them; the one-shot filter "
+             "is the same in one go." +
+             reference("section 2.2", (std::string(kShrinkWrapping) + kWindingNumbers).c_str());
+    case Filter::control_mesh:
+      return "Second stage: <b>simplifies the initial mesh</b> to the number of vertices from "
+             "which two subdivisions come "
+             "nearest to the number of samples. Its topology is kept. A new layer." +
+             reference("section 2.3", kQuadrics);
+    case Filter::parametric_surface:
+      return "Third stage: <b>subdivides the control mesh twice</b> (Loop) and fits it to the "
+             "samples: a smooth closed "
+             "surface near them. A new layer." +
+             reference("section 2.4", kFitting);
+    case Filter::complete_matching:
+      return "Fourth stage: makes <b>every sample a vertex</b> of the parametric surface and "
+             "removes every vertex that is no "
+             "sample. The mesh stays a closed 2-manifold. A new layer; with <i>Leave open</i> or "
+             "not, the faces that span "
+             "openings of the scan are selected in it." +
+             reference("section 2.5", kRetiling);
+    case Filter::edge_optimisation:
+      return "Last stage: <b>re-chooses the edges</b> of the complete matching for the smoothest "
+             "surface through the same "
+             "vertices. With <i>Leave open</i>, the selected faces are then taken away. A new "
+             "layer." +
+             reference("section 2.5", kQuadrics);
+    case Filter::matching_report:
+      return "Measures a mesh against samples and writes to the log: vertices, borders, "
+             "manifoldness, genus, components, "
+             "orientation, self-intersections, and <b>how many samples are exactly one vertex</b>. "
+             "Nothing is changed.<br>"
+             "Use it on the mesh of any reconstruction filter." +
+             reference("section 2.5");
+    case Filter::distance_to_samples:
+      return "Sets the <b>quality of every vertex to its exact distance from the nearest "
+             "sample</b>, in the units of the "
+             "layer, by voxel-based nearest-point search. Colour the layer by quality afterwards "
+             "to see where a surface "
+             "is far from the points." +
+             reference("section 2.1");
+  }
+  return {};
+}
+
+QString scripting_name_of(Filter filter) {
+  switch (filter) {
+    case Filter::reconstruct:
+      return "generate_surface_reconstruction_shrink_wrap";
+    case Filter::initial_mesh:
+      return "generate_shrink_wrap_initial_mesh";
+    case Filter::control_mesh:
+      return "generate_shrink_wrap_control_mesh";
+    case Filter::parametric_surface:
+      return "generate_shrink_wrap_parametric_surface";
+    case Filter::complete_matching:
+      return "generate_shrink_wrap_complete_matching";
+    case Filter::edge_optimisation:
+      return "generate_shrink_wrap_edge_optimisation";
+    case Filter::matching_report:
+      return "get_shrink_wrap_matching_report";
+    case Filter::distance_to_samples:
+      return "compute_scalar_by_distance_to_samples_per_vertex";
+  }
+  return {};
+}
+
+bool needs_mesh(Filter filter) {
+  return filter != Filter::reconstruct && filter != Filter::initial_mesh;
+}
+
+std::string label_of(const MeshModel& layer) {
+  return layer.label().toStdString();
+}
+
+// The layer's name without the ending of the file that it was read from.
+QString base_name(const MeshModel& layer) {
+  const QString base = QFileInfo(layer.label()).completeBaseName();
+  return base.isEmpty() ? layer.label() : base;
+}
+
+// The layers that a dialog starts with: the current one where it fits, else the first or last of
+// its kind.
+template <class Layer>
+Layer* proposed_layer(const std::vector<Layer*>& layers, Layer* current, bool with_faces) {
+  const auto fits = [&](const Layer* layer) { return (layer->cm.fn > 0) == with_faces; };
+  if (current != nullptr && fits(current)) return current;
+  Layer* proposed = nullptr;
+  for (Layer* layer : layers)
+    if (fits(layer) && (with_faces || proposed == nullptr)) proposed = layer;
+  return proposed != nullptr ? proposed : layers.front();
+}
+
+// New layers, taken back unless the run succeeds.
+class NewLayers {
+ public:
+  explicit NewLayers(MeshDocument& document) : document_(document), current_(document.mm()) {}
+  NewLayers(const NewLayers&) = delete;
+  NewLayers& operator=(const NewLayers&) = delete;
+  ~NewLayers() {
+    if (is_kept_) return;
+    for (MeshModel* layer : layers_) remove_layer(document_, layer);
+    if (current_ != nullptr) document_.setCurrentMesh(current_->id());
+  }
+
+  void add(const ResultMesh& mesh, const QString& name, const MeshModel& samples,
+           const VcgPoints& points, const std::vector<Index>& marked_faces) {
+    layers_.reserve(layers_.size() + 1);
+    MeshModel* layer = document_.addNewMesh("", name, true);
+    layers_.push_back(layer);
+    layer->updateDataMask(samples.dataMask() & kCarriedData);
+    mesh_to_vcg(mesh, samples.cm, points, layer->cm, marked_faces);
+    layer->cm.Tr = samples.cm.Tr;
+    layer->updateDataMask(MeshModel::MM_VERTNORMAL | MeshModel::MM_FACENORMAL);
+  }
+  void keep() { is_kept_ = true; }
+
+ private:
+  MeshDocument& document_;
+  MeshModel* current_;
+  std::vector<MeshModel*> layers_;
+  bool is_kept_ = false;
+};
+
+}  // namespace
+
+ShrinkWrapReconPlugin::ShrinkWrapReconPlugin() {
+  announce_filters(kFilterCount, this);
+}
+
+FilterDescription ShrinkWrapReconPlugin::describe(int id) const {
+  const Filter filter = static_cast<Filter>(id);
+  FilterDescription description;
+  description.name = filter_name(filter);
+  description.scripting_name = scripting_name_of(filter);
+  description.help = help_of(filter);
+  description.takes_layers_as_parameters = filter != Filter::reconstruct;
+  switch (filter) {
+    case Filter::matching_report:
+      description.categories = FilterHost::Measure;
+      description.changes = MeshModel::MM_NONE;
+      break;
+    case Filter::distance_to_samples:
+      description.categories = FilterHost::Quality | FilterHost::Measure;
+      description.changes = MeshModel::MM_VERTQUALITY;
+      break;
+    default:
+      description.categories = FilterHost::Remeshing | FilterHost::PointSet;
+      description.changes = MeshModel::MM_GEOMETRY_AND_TOPOLOGY_CHANGE;
+  }
+  return description;
+}
+
+void ShrinkWrapReconPlugin::declare_parameters(int id, DocumentOfDialog& document,
+                                               RichParameterList& list) const {
+  const auto layers = layers_of(document);
+  for (const Parameter& parameter : parameters_of(static_cast<Filter>(id))) {
+    if (parameter.kind != Parameter::Kind::layer)
+      add_parameter(list, parameter);
+    else if (!layers.empty())  // the host cannot show a choice among none
+      add_layer_parameter(list, parameter, document,
+                          proposed_layer(layers, document.mm(), parameter.name == kMeshLayer));
+  }
+}
+
+// The one place where what went wrong becomes the host's message: for the dialog as errorMessage,
+// for scripts, which never see that, as a line of the log.
+QString ShrinkWrapReconPlugin::run(int id, MeshDocument& document, const RichParameterList& list,
+                                   vcg::CallBackPos* callback) {
+  const Filter filter = static_cast<Filter>(id);
+  std::string where, what;
+  try {
+    const bool is_one_shot = filter == Filter::reconstruct;
+    MeshModel* const samples =
+        is_one_shot ? document.mm() : chosen_layer(list, document, kSamplesLayer);
+    MeshModel* const mesh = needs_mesh(filter) ? chosen_layer(list, document, kMeshLayer) : nullptr;
+    if (samples != nullptr) where = "layer \"" + label_of(*samples) + "\": ";
+    if (samples == nullptr)
+      throw InvalidInput("there is no layer of samples: open a point cloud first");
+    if (needs_mesh(filter) && mesh == nullptr)
+      throw InvalidInput("there is no layer for the parameter " + std::string(kMeshLayer));
+    run_on_layers(filter, document, list, *samples, mesh, callback);
+    return {};
+  } catch (const Cancelled&) {
+    what = "cancelled: the document is as it was";
+  } catch (const Error& error) {
+    what = error.what();
+  } catch (const std::bad_alloc&) {
+    what =
+        "there is not enough memory: close other layers, or thin the cloud first (filter \"Point "
+        "Cloud "
+        "Simplification\")";
+  } catch (const std::exception& error) {
+    what = std::string("unexpected error, please report it: ") + error.what();
+  } catch (...) {
+    what = "unexpected error, please report it";
+  }
+  const std::string message = kFailed + where + what;
+  log_line(GLLogStream::WARNING, message);
+  return QString::fromStdString(message);
+}
+
+void ShrinkWrapReconPlugin::run_on_layers(Filter filter, MeshDocument& document,
+                                          const RichParameterList& list, MeshModel& samples,
+                                          MeshModel* mesh, vcg::CallBackPos* callback) {
+  FilterRequest request = request_of(filter, values_of(list, parameters_of(filter)));
+  request.options.host_scalar =
+      kHostIsSinglePrecision ? HostScalar::single_precision : HostScalar::double_precision;
+  if (mesh != nullptr && !(mesh->cm.Tr == samples.cm.Tr))
+    throw InvalidInput(
+        "the layer \"" + label_of(*mesh) +
+        "\" has another matrix: apply \"Matrix: Freeze Current Matrix\" to both first");
+
+  VcgPoints points = points_from_vcg(samples.cm, request.selected_only);
+  if (points.points.empty())
+    throw InvalidInput(request.selected_only
+                           ? "no point is selected: select some, or switch SelectedOnly off"
+                           : "the layer has no points");
+  FilterInput input;
+  input.points = std::move(points.points);
+  if (mesh != nullptr) {
+    VcgTriangles triangles = triangles_from_vcg(mesh->cm);
+    input.mesh = std::move(triangles.mesh);
+    input.marked_faces = std::move(triangles.selected_faces);
+  }
+
+  Progress progress(progress_from_vcg(callback), stages_of(filter, request));
+  const FilterOutcome outcome = run_filter(filter, request, input, progress);
+
+  NewLayers layers(document);
+  for (const StageRecord& stage : outcome.stages)
+    layers.add(stage.mesh, base_name(samples) + " " + QString::fromStdString(stage.name), samples,
+               points, {});
+  if (!outcome.mesh.position.empty())
+    layers.add(outcome.mesh,
+               base_name(samples) + " " + QString::fromStdString(outcome.layer_suffix), samples,
+               points, outcome.marked_faces);
+  if (!outcome.distance.empty()) {
+    mesh->updateDataMask(MeshModel::MM_VERTQUALITY);
+    std::size_t next = 0;
+    for (auto& vertex : mesh->cm.vert)
+      if (!vertex.IsD())
+        vertex.Q() = static_cast<CMeshO::VertexType::QualityType>(outcome.distance[next++]);
+  }
+  layers.keep();
+
+  for (const std::string& warning : outcome.warnings) log_line(GLLogStream::WARNING, warning);
+  for (const std::string& line : outcome.log) log_line(line);
+}

@@ -1,0 +1,144 @@
+#include "box_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "morton.h"
+#include "parallel.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr Index kGrain = 1 << 13;
+constexpr float kFar = std::numeric_limits<float>::max();
+constexpr int kCellBits = 10;  // per axis of the curve that orders the faces
+constexpr int kDigits = 1 << kCellBits;
+
+// What is sorted: the place on the curve in the high half, the face in the low half.
+using KeyedFace = std::uint64_t;
+
+bool is_usable(const std::vector<Vec3>& positions, const Triangle& t) {
+  const Index vertices = static_cast<Index>(positions.size());
+  if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return false;
+  for (Index v : t)
+    if (v < 0 || v >= vertices || !positions[v].allFinite()) return false;
+  return true;
+}
+
+// Stable: faces of one cell keep their order.
+void sort_along_curve(std::vector<KeyedFace>& faces, Progress& progress) {
+  std::vector<KeyedFace> scratch(faces.size());
+  for (int shift = 32; shift < 32 + 3 * kCellBits; shift += kCellBits) {
+    std::vector<std::size_t> cursor(kDigits + 1, 0);
+    for (KeyedFace face : faces) ++cursor[((face >> shift) & (kDigits - 1)) + 1];
+    for (int digit = 0; digit < kDigits; ++digit) cursor[digit + 1] += cursor[digit];
+    for (KeyedFace face : faces) scratch[cursor[(face >> shift) & (kDigits - 1)]++] = face;
+    faces.swap(scratch);
+    progress.update(0.0);
+  }
+}
+
+}  // namespace
+
+BoxTree::Group BoxTree::empty_group() {
+  Group group;
+  for (Index lane = 0; lane < 4; ++lane)
+    put_box(group, lane, {kFar, kFar, kFar, -kFar, -kFar, -kFar});
+  return group;
+}
+
+BoxTree::Box BoxTree::union_of(const Group& group) {
+  Box box = box_in(group, 0);
+  for (Index lane = 1; lane < 4; ++lane)
+    for (int axis = 0; axis < 3; ++axis) {
+      box[axis] = std::min(box[axis], group.low[axis][lane]);
+      box[axis + 3] = std::max(box[axis + 3], group.high[axis][lane]);
+    }
+  return box;
+}
+
+BoxTree::Box BoxTree::box_of(const std::vector<Vec3>& positions, const Triangle& t) const {
+  const Vec3 &a = positions[t[0]], &b = positions[t[1]], &c = positions[t[2]];
+  const Vec3 low = (a.cwiseMin(b).cwiseMin(c) - center_) * scale_;
+  const Vec3 high = (a.cwiseMax(b).cwiseMax(c) - center_) * scale_;
+  return {static_cast<float>(low.x()),  static_cast<float>(low.y()),  static_cast<float>(low.z()),
+          static_cast<float>(high.x()), static_cast<float>(high.y()), static_cast<float>(high.z())};
+}
+
+BoxTree::BoxTree(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles,
+                 Progress& progress) {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const Vec3& p : positions)
+    if (p.allFinite()) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+  if (!(low.x() <= high.x())) return;
+  center_ = 0.5 * low + 0.5 * high;
+  scale_ = 1.0 / std::max((high - center_).maxCoeff(), 1e-300);
+
+  // Boxes and places on the curve; what is not usable goes to the end and is cut off.
+  const Index faces = static_cast<Index>(triangles.size());
+  constexpr KeyedFace kUnusable = ~KeyedFace{0};
+  std::vector<KeyedFace> keyed(triangles.size());
+  parallel_for_each(faces, kGrain, progress, [&](Index f) {
+    const Triangle& t = triangles[f];
+    if (!is_usable(positions, t)) {
+      keyed[f] = kUnusable;
+      return;
+    }
+    const Box box = box_of(positions, t);
+    std::uint32_t cell[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      const float middle = 0.5f * (box[axis] + box[axis + 3]) + 1.0f;
+      cell[axis] = static_cast<std::uint32_t>(
+          std::clamp(middle * (kDigits / 2), 0.0f, static_cast<float>(kDigits - 1)));
+    }
+    keyed[f] = morton_key(cell[0], cell[1], cell[2]) << 32 | static_cast<std::uint32_t>(f);
+  });
+  keyed.erase(std::remove(keyed.begin(), keyed.end(), kUnusable), keyed.end());
+  sort_along_curve(keyed, progress);
+  order_.resize(keyed.size());
+  for (std::size_t i = 0; i < keyed.size(); ++i)
+    order_[i] = static_cast<Index>(keyed[i] & 0xffffffffu);
+  keyed = {};
+  if (order_.empty()) return;
+
+  std::size_t total = 0;
+  for (std::size_t entries = order_.size();; entries = (entries + 3) / 4) {
+    level_begin_.push_back(total);
+    total += (entries + 3) / 4;
+    if (entries <= 4) break;
+  }
+  group_.assign(total, empty_group());
+  const Index count = static_cast<Index>(order_.size());
+  parallel_for_each(count, kGrain, progress, [&](Index i) {
+    put_box(group_[i / 4], i % 4, box_of(positions, triangles[order_[i]]));
+  });
+  for (std::size_t level = 1; level < level_begin_.size(); ++level) {
+    const std::size_t below = level_begin_[level - 1];
+    const Index entries = static_cast<Index>(level_begin_[level] - below);
+    parallel_for_each(entries, kGrain, progress, [&](Index i) {
+      put_box(group_[level_begin_[level] + i / 4], i % 4, union_of(group_[below + i]));
+    });
+  }
+}
+
+void BoxTree::set_box(Index face, const Box& box) {
+  if (place_.empty()) {
+    const Index highest = *std::max_element(order_.begin(), order_.end());
+    place_.assign(static_cast<std::size_t>(highest) + 1, kNone);
+    for (std::size_t i = 0; i < order_.size(); ++i) place_[order_[i]] = static_cast<Index>(i);
+  }
+  Index entry = place_[face];
+  Box entry_box = box;
+  for (const std::size_t begin : level_begin_) {
+    Group& group = group_[begin + entry / 4];
+    put_box(group, entry % 4, entry_box);
+    entry_box = union_of(group);
+    entry /= 4;
+  }
+}
+
+}  // namespace shrinkwrap

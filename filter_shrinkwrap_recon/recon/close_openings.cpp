@@ -1,0 +1,168 @@
+#include "close_openings.h"
+
+#include <algorithm>
+
+#include "box_tree.h"
+#include "collapse_rating.h"
+#include "delaunay_flips.h"
+#include "triangle_pair.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr int kRounds = 60;
+constexpr int kTurningRound = 8;  // from here on also by collapses that turn a face
+constexpr int kStalls = 3;        // rounds without a removal, edges flipped after each
+
+class OpeningCloser {
+ public:
+  OpeningCloser(SurfaceMesh& mesh, Index first_extra, Progress& progress)
+      : mesh_(mesh),
+        pairs_(mesh.position),
+        boxes_(mesh.position, mesh.triangles(), progress),
+        spans_(mesh.face_slots(), 0) {
+    for (Index f = 0; f < mesh.face_slots(); ++f) {
+      const Triangle t = mesh.triangle(f);
+      if (std::max({t[0], t[1], t[2]}) >= first_extra) spans_[f] = 1;
+    }
+    for (Index v = first_extra; v < mesh.vertex_slots(); ++v) pending_.push_back(v);
+  }
+
+  std::vector<char> close(Progress& progress) {
+    const std::size_t given = pending_.size();
+    int stalls = 0;
+    for (int round = 0; round < kRounds && !pending_.empty(); ++round) {
+      std::size_t kept = 0;
+      for (const Index v : pending_) {
+        if (!try_remove(v, round >= kTurningRound)) pending_[kept++] = v;
+        progress.update(1.0 - static_cast<double>(pending_.size()) / static_cast<double>(given));
+      }
+      const bool is_stuck = kept == pending_.size();
+      pending_.resize(kept);
+      if (!is_stuck) continue;
+      if (round < kTurningRound) {
+        round = kTurningRound - 1;
+        continue;
+      }
+      if (++stalls > kStalls) break;
+      for (const Index v : pending_) flip_an_edge_away(v);
+    }
+    return std::move(spans_);
+  }
+
+ private:
+  bool try_remove(Index v, bool may_turn) {
+    rating_.gather(mesh_, v);
+    rating_.rate(mesh_, v);
+    while (true) {
+      CollapseRating::Candidate& best = rating_.cheapest();
+      if (best.cost == CollapseRating::kRefused) return false;
+      if (best.cost >= CollapseRating::kTurnedCost && !may_turn) return false;
+      if (mesh_.is_collapse_legal(best.halfedge) && !fan_cuts(best.halfedge)) {
+        collapse(best.halfedge);
+        return true;
+      }
+      best.cost = CollapseRating::kRefused;
+    }
+  }
+
+  // Whether the faces that a collapse makes cut anything but those that it removes.
+  bool fan_cuts(Index halfedge) {
+    const Index apex = mesh_.target(halfedge);
+    fresh_.clear();
+    replaced_.clear();
+    for (const Index h : rating_.halfedges()) {
+      replaced_.push_back(SurfaceMesh::face(h));
+      const Index p = mesh_.target(h), q = mesh_.opposite(h);
+      if (p != apex && q != apex) fresh_.push_back({apex, p, q});
+    }
+    return fresh_cuts();
+  }
+
+  bool flip_cuts(Index h) {
+    const Index o = mesh_.twin(h);
+    const Index a = mesh_.origin(h), b = mesh_.origin(o), c = mesh_.opposite(h),
+                d = mesh_.opposite(o);
+    fresh_ = {{d, c, a}, {c, d, b}};
+    replaced_ = {SurfaceMesh::face(h), SurfaceMesh::face(o)};
+    return fresh_cuts();
+  }
+
+  // Whether the fresh faces meet each other, or any but those that they replace.
+  bool fresh_cuts() const {
+    for (std::size_t i = 0; i < fresh_.size(); ++i) {
+      const Triangle& t = fresh_[i];
+      if (is_degenerate(t)) return true;
+      for (std::size_t j = 0; j < i; ++j)
+        if (pairs_.meet(t, fresh_[j])) return true;
+      bool meets = false;
+      boxes_.for_each_overlap(boxes_.box_of(mesh_.position, t), [&](Index f) {
+        if (meets || mesh_.is_removed_face(f) ||
+            std::find(replaced_.begin(), replaced_.end(), f) != replaced_.end())
+          return;
+        meets = pairs_.meet(t, mesh_.triangle(f));
+      });
+      if (meets) return true;
+    }
+    return false;
+  }
+
+  bool is_degenerate(const Triangle& t) const {
+    const Vec3 &a = mesh_.position[t[0]], &b = mesh_.position[t[1]], &c = mesh_.position[t[2]];
+    return !((b - a).cross(c - a).squaredNorm() > 0.0);
+  }
+
+  void collapse(Index halfedge) {
+    mesh_.collapse(halfedge);
+    stack_.clear();
+    for (const Index h : rating_.halfedges()) {
+      const Index f = SurfaceMesh::face(h);
+      if (mesh_.is_removed_face(f)) continue;
+      boxes_.set_box(f, boxes_.box_of(mesh_.position, mesh_.triangle(f)));
+      stack_.push_back(h);
+      stack_.push_back(SurfaceMesh::next(h));
+    }
+    for (std::size_t looks = 8 * rating_.halfedges().size(); looks > 0 && !stack_.empty();
+         --looks) {
+      const Index h = stack_.back(), o = mesh_.twin(h);
+      stack_.pop_back();
+      if (!wants_delaunay_flip(mesh_, h) || !try_flip(h)) continue;
+      for (const Index side :
+           {SurfaceMesh::next(h), SurfaceMesh::prev(h), SurfaceMesh::next(o), SurfaceMesh::prev(o)})
+        stack_.push_back(side);
+    }
+  }
+
+  bool try_flip(Index h) {
+    const Index first = SurfaceMesh::face(h), second = SurfaceMesh::face(mesh_.twin(h));
+    if (!spans_[first] || !spans_[second] || !mesh_.is_flip_legal(h) || flip_cuts(h)) return false;
+    mesh_.flip(h);
+    for (const Index f : {first, second})
+      boxes_.set_box(f, boxes_.box_of(mesh_.position, mesh_.triangle(f)));
+    return true;
+  }
+
+  void flip_an_edge_away(Index v) {
+    rating_.gather(mesh_, v);
+    for (const Index h : rating_.halfedges())
+      if (try_flip(h)) return;
+  }
+
+  SurfaceMesh& mesh_;
+  TrianglePairs pairs_;
+  BoxTree boxes_;               // of the faces as they are
+  std::vector<char> spans_;     // per face slot
+  std::vector<Index> pending_;  // extra vertices
+  CollapseRating rating_;
+  std::vector<Triangle> fresh_;  // faces that an operation would make ...
+  std::vector<Index> replaced_;  // ... in place of these
+  std::vector<Index> stack_;
+};
+
+}  // namespace
+
+std::vector<char> close_openings(SurfaceMesh& mesh, Index first_extra, Progress& progress) {
+  return OpeningCloser(mesh, first_extra, progress).close(progress);
+}
+
+}  // namespace shrinkwrap

@@ -1,0 +1,25 @@
+// Which samples are vertices, by their coordinates alone, bit for bit.
+#pragma once
+
+#include <vector>
+
+#include "progress.h"
+#include "types.h"
+
+namespace shrinkwrap {
+
+struct CoordinateMatches {
+  Index samples = 0;        ///< distinct and finite; -0 equals 0
+  Index matched = 0;        ///< samples at which exactly one vertex lies
+  Index missing = 0;        ///< at which none lies
+  Index matched_twice = 0;  ///< at which more than one lies
+  Index extra = 0;          ///< vertices at no sample
+};
+
+/// Matches samples and the vertices that are marked as used (the others are left out).
+/// O(N) expected, parallel; 16 bytes a sample and vertex while it runs.
+CoordinateMatches match_coordinates(const std::vector<Vec3>& samples,
+                                    const std::vector<Vec3>& vertices,
+                                    const std::vector<char>& vertex_is_used, Progress& progress);
+
+}  // namespace shrinkwrap

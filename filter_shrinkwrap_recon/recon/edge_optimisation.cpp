@@ -1,0 +1,317 @@
+#include "edge_optimisation.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "triangle_geometry.h"
+#include "vertex_blocks.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr Index kGrain = 1 << 12;
+constexpr Index kLooksPerEdge = 30;
+constexpr Index kProgressStride = 1 << 12;
+
+// The two faces of an edge before and after its flip: (a, b, c) and (b, a, d) become (d, c, a) and
+// (c, d, b).
+struct Hinge {
+  Hinge(const SurfaceMesh& mesh, Index h)
+      : diagonal(h),
+        opposite_diagonal(mesh.twin(h)),
+        side{SurfaceMesh::next(h), SurfaceMesh::prev(h), SurfaceMesh::next(opposite_diagonal),
+             SurfaceMesh::prev(opposite_diagonal)},
+        corner{mesh.origin(h), mesh.origin(opposite_diagonal), mesh.opposite(h),
+               mesh.opposite(opposite_diagonal)} {}
+  Index diagonal, opposite_diagonal;
+  std::array<Index, 4> side;    // bc, ca, ad, db
+  std::array<Index, 4> corner;  // a, b, c, d
+};
+
+std::vector<Vec3f> normals_of_vertices(const SurfaceMesh& mesh,
+                                       const std::vector<Vec3>* guide_normals, Progress& progress) {
+  std::vector<Vec3f> normals(mesh.position.size());
+  parallel_for_each(mesh.vertex_slots(), kGrain, progress, [&](Index v) {
+    normals[v] = (guide_normals ? (*guide_normals)[v] : mesh.vertex_normal(v)).cast<float>();
+  });
+  return normals;
+}
+
+// Length x |dihedral angle| of five edges, and the shape of two triangles. What a flip needs of
+// the present state is kept: the unit normal and shape of each face, the bending of each edge.
+class BendingCriterion {
+ public:
+  BendingCriterion(SurfaceMesh& mesh, const EdgeOptimisationOptions& options,
+                   std::vector<Vec3f> guide, Progress& progress)
+      : mesh_(mesh),
+        shape_weight_(options.shape_weight),
+        least_gain_(options.least_gain),
+        guide_(std::move(guide)),
+        normal_(mesh.face_slots()),
+        shape_(mesh.face_slots()),
+        bending_(mesh.halfedge_slots()) {
+    parallel_for_each(mesh.face_slots(), kGrain, progress, [&](Index f) {
+      const Triangle t = mesh.triangle(f);
+      const Vec3 &a = mesh.position[t[0]], &b = mesh.position[t[1]], &c = mesh.position[t[2]];
+      Vec3 area = (b - a).cross(c - a);
+      const double twice_area = area.norm();
+      if (twice_area > 0.0) area /= twice_area;
+      normal_[f] = area.cast<float>();
+      shape_[f] = shape_of((b - a).squaredNorm() + (c - b).squaredNorm() + (a - c).squaredNorm(),
+                           twice_area);
+    });
+    parallel_for_each(mesh.halfedge_slots(), 3 * kGrain, progress, [&](Index h) {
+      const Index o = mesh.twin(h);
+      if (o < h) return;
+      const double length = (mesh.position[mesh.origin(h)] - mesh.position[mesh.origin(o)]).norm();
+      set_bending(h, static_cast<float>(length) * angle_between(normal_[SurfaceMesh::face(h)],
+                                                                normal_[SurfaceMesh::face(o)]));
+    });
+  }
+
+  bool try_flip(const Hinge& hinge) {
+    const auto [bc, ca, ad, db] = hinge.side;
+    const Vec3 &a = mesh_.position[hinge.corner[0]], &b = mesh_.position[hinge.corner[1]],
+               &c = mesh_.position[hinge.corner[2]], &d = mesh_.position[hinge.corner[3]];
+    const Index first = SurfaceMesh::face(hinge.diagonal),
+                second = SurfaceMesh::face(hinge.opposite_diagonal);
+    const Vec3 to_c = c - d, to_a = a - d, to_b = b - d;
+    Vec3 area_first = to_c.cross(to_a), area_second = to_b.cross(to_c);
+    const double twice_first = area_first.norm(), twice_second = area_second.norm();
+    const double cd2 = to_c.squaredNorm(), ad2 = to_a.squaredNorm(), db2 = to_b.squaredNorm(),
+                 ca2 = (c - a).squaredNorm(), bc2 = (b - c).squaredNorm();
+    const float shape_first = shape_of(cd2 + ca2 + ad2, twice_first),
+                shape_second = shape_of(cd2 + bc2 + db2, twice_second);
+    const double length_cd = std::sqrt(cd2), length_ca = std::sqrt(ca2), length_ad = std::sqrt(ad2),
+                 length_bc = std::sqrt(bc2), length_db = std::sqrt(db2);
+    const double mean_length =
+        ((a - b).norm() + length_cd + length_ca + length_ad + length_bc + length_db) / 6.0;
+    const float before =
+        bending_[hinge.diagonal] + bending_[bc] + bending_[ca] + bending_[ad] + bending_[db];
+    const float shape_gain = shape_[first] + shape_[second] - shape_first - shape_second;
+    // The bending after the flip must stay below this.
+    const float limit =
+        before + static_cast<float>(mean_length * (shape_weight_ * shape_gain - least_gain_));
+    if (!(limit > 0.0f)) return false;
+
+    if (twice_first > 0.0) area_first /= twice_first;
+    if (twice_second > 0.0) area_second /= twice_second;
+    const Vec3f normal_first = area_first.cast<float>(), normal_second = area_second.cast<float>();
+    const Vec3f guide = guide_[hinge.corner[0]] + guide_[hinge.corner[1]] +
+                        guide_[hinge.corner[2]] + guide_[hinge.corner[3]];
+    if (!keeps_side(normal_[first], normal_[second], normal_first, normal_second, guide))
+      return false;
+
+    const float bending_cd =
+        static_cast<float>(length_cd) * angle_between(normal_first, normal_second);
+    if (!(bending_cd < limit)) return false;
+    const auto beyond = [&](Index h) { return normal_[SurfaceMesh::face(mesh_.twin(h))]; };
+    const float bending_ca =
+                    static_cast<float>(length_ca) * angle_between(normal_first, beyond(ca)),
+                bending_ad =
+                    static_cast<float>(length_ad) * angle_between(normal_first, beyond(ad)),
+                bending_bc =
+                    static_cast<float>(length_bc) * angle_between(normal_second, beyond(bc)),
+                bending_db =
+                    static_cast<float>(length_db) * angle_between(normal_second, beyond(db));
+    if (!(bending_cd + bending_ca + bending_ad + bending_bc + bending_db < limit)) return false;
+    if (!mesh_.is_flip_legal(hinge.diagonal)) return false;
+
+    mesh_.flip(hinge.diagonal);
+    normal_[first] = normal_first;
+    normal_[second] = normal_second;
+    shape_[first] = shape_first;
+    shape_[second] = shape_second;
+    // The sides have moved round by one: see SurfaceMesh::flip.
+    set_bending(hinge.diagonal, bending_cd);
+    set_bending(bc, bending_ca);
+    set_bending(ca, bending_ad);
+    set_bending(ad, bending_db);
+    set_bending(db, bending_bc);
+    return true;
+  }
+
+ private:
+  static constexpr double kWorstShape = 1e4;
+
+  static float shape_of(double squared_sides, double twice_area) {
+    return static_cast<float>(std::min(squared_sides / (2.0 * twice_area + 1e-300), kWorstShape));
+  }
+
+  // Of the angle between two unit normals. From the chord, which is well conditioned at small
+  // angles: arc sine (chord / 2) = quarter turn - arc cosine (chord / 2).
+  static float angle_between(const Vec3f& m, const Vec3f& n) {
+    const double half_chord = 0.5 * static_cast<double>((m - n).norm());
+    return static_cast<float>(2.0 * std::max(kHalfPi - arc_cosine_of_positive(half_chord), 0.0));
+  }
+
+  void set_bending(Index h, float bending) { bending_[h] = bending_[mesh_.twin(h)] = bending; }
+
+  SurfaceMesh& mesh_;
+  double shape_weight_, least_gain_;
+  std::vector<Vec3f> guide_;    // per vertex
+  std::vector<Vec3f> normal_;   // per face, unit or zero
+  std::vector<float> shape_;    // per face
+  std::vector<float> bending_;  // per half-edge, the same for twins
+};
+
+// The quadric cost of an edge against that of the opposite diagonal, with the quadrics of the mesh
+// as given: every edge has one cost for good, so that the flips come to an end.
+class QuadricCriterion {
+ public:
+  QuadricCriterion(SurfaceMesh& mesh, const EdgeOptimisationOptions& options,
+                   std::vector<Vec3f> guide, Progress& progress)
+      : mesh_(mesh),
+        least_gain_(options.least_gain),
+        guide_(std::move(guide)),
+        quadric_(mesh.position.size()) {
+    parallel_for_each(mesh.vertex_slots(), kGrain, progress, [&](Index v) {
+      Quadric& quadric = quadric_[v];
+      mesh.for_each_outgoing(v, [&](Index h) {
+        const Vec3 normal = unit_or_zero(mesh.area_vector(SurfaceMesh::face(h)));
+        const double offset = -normal.dot(mesh.position[v]);
+        quadric.linear += normal * normal.transpose();
+        quadric.constant += normal * offset;
+        quadric.square += offset * offset;
+      });
+    });
+  }
+
+  bool try_flip(const Hinge& hinge) {
+    const auto [a, b, c, d] = hinge.corner;
+    const double before = cost(a, b), after = cost(c, d);
+    const double squared_length = (mesh_.position[a] - mesh_.position[b]).squaredNorm();
+    if (!(after < before - least_gain_ * squared_length)) return false;
+    const Vec3 &pa = mesh_.position[a], &pb = mesh_.position[b], &pc = mesh_.position[c],
+               &pd = mesh_.position[d];
+    const Vec3 old_first = unit_or_zero((pb - pa).cross(pc - pa)),
+               old_second = unit_or_zero((pa - pb).cross(pd - pb)),
+               new_first = unit_or_zero((pc - pd).cross(pa - pd)),
+               new_second = unit_or_zero((pd - pc).cross(pb - pc));
+    const Vec3 guide = (guide_[a] + guide_[b] + guide_[c] + guide_[d]).cast<double>();
+    if (!keeps_side(old_first, old_second, new_first, new_second, guide)) return false;
+    if (!mesh_.is_flip_legal(hinge.diagonal)) return false;
+    mesh_.flip(hinge.diagonal);
+    return true;
+  }
+
+ private:
+  // v^T Q v = v^T linear v + 2 constant.v + square.
+  struct Quadric {
+    Eigen::Matrix3d linear = Eigen::Matrix3d::Zero();
+    Vec3 constant = Vec3::Zero();
+    double square = 0.0;
+    double at(const Vec3& v) const { return v.dot(linear * v) + 2.0 * constant.dot(v) + square; }
+  };
+
+  // Eq. 12 at the point where the edge would be contracted to: the best one, or where the planes
+  // leave that open the best of the ends and the middle.
+  double cost(Index v, Index w) const {
+    Quadric sum = quadric_[v];
+    sum.linear += quadric_[w].linear;
+    sum.constant += quadric_[w].constant;
+    sum.square += quadric_[w].square;
+    const Vec3 &p = mesh_.position[v], &q = mesh_.position[w];
+    double least = std::min(std::min(sum.at(p), sum.at(q)), sum.at(0.5 * (p + q)));
+    const double scale = sum.linear.trace();
+    if (sum.linear.determinant() > 1e-6 * scale * scale * scale)
+      least = std::min(least, sum.at(sum.linear.inverse() * -sum.constant));
+    return std::max(least, 0.0);
+  }
+
+  SurfaceMesh& mesh_;
+  double least_gain_;
+  std::vector<Vec3f> guide_;
+  std::vector<Quadric> quadric_;  // per vertex
+};
+
+// Looks at every edge, and again at those around each flip, until no flip helps.
+template <class Criterion>
+Index flip_all(SurfaceMesh& mesh, Criterion& criterion, const std::vector<Index>& fixed_faces,
+               Progress& progress) {
+  const VertexBlocks blocks(mesh.position, progress);
+  std::vector<char> is_queued(mesh.halfedge_slots(), 0);  // by the lower half-edge of an edge
+  std::vector<char> is_fixed(fixed_faces.empty() ? 0 : mesh.face_slots(), 0);
+  for (const Index f : fixed_faces) is_fixed[f] = 1;
+  SharedCount flips;
+
+  const auto seed = [&](Index v, std::vector<Index>& edges) {
+    mesh.for_each_outgoing(v, [&](Index h) {
+      if (h < mesh.twin(h)) edges.push_back(h);
+    });
+  };
+  const auto anchor = [&](Index h) { return mesh.origin(h); };
+  const auto work = [&](const BlockOwner& owner, std::vector<Index>& edges) {
+    std::vector<Index> queue, deferred;
+    queue.reserve(edges.size());
+    const auto add = [&](Index h) {
+      const Index edge = std::min(h, mesh.twin(h));
+      if (!owner.owns(mesh.origin(h)) || !owner.owns(mesh.target(h))) {
+        deferred.push_back(edge);
+      } else if (!is_queued[edge]) {
+        is_queued[edge] = 1;
+        queue.push_back(edge);
+      }
+    };
+    for (const Index edge : edges) add(edge);
+    const std::size_t limit = kLooksPerEdge * (queue.size() + 8);
+    Index flipped = 0;
+    for (std::size_t head = 0; head < queue.size(); ++head) {
+      const Index h = queue[head];
+      is_queued[h] = 0;
+      if (head >= limit) continue;
+      if (owner.is_last() && head % kProgressStride == 0)
+        progress.update(static_cast<double>(head) / static_cast<double>(queue.size()));
+      if (mesh.twin(h) < h) continue;  // another edge by now, which was added when it changed
+      const Hinge hinge(mesh, h);
+      const auto [a, b, c, d] = hinge.corner;
+      if (c == d) continue;
+      if (!owner.owns(c) || !owner.owns(d)) {
+        deferred.push_back(h);
+        continue;
+      }
+      if (!is_fixed.empty() && (is_fixed[SurfaceMesh::face(hinge.diagonal)] ||
+                                is_fixed[SurfaceMesh::face(hinge.opposite_diagonal)]))
+        continue;
+      if (!criterion.try_flip(hinge)) continue;
+      ++flipped;
+      add(h);
+      for (const Index side : hinge.side) {
+        add(side);
+        const Index beyond = mesh.twin(side);
+        add(SurfaceMesh::next(beyond));
+        add(SurfaceMesh::prev(beyond));
+      }
+    }
+    flips.add(flipped);
+    edges.swap(deferred);
+  };
+  run_in_blocks(blocks, progress, seed, anchor, work);
+  return flips.get();
+}
+
+}  // namespace
+
+EdgeOptimisationReport optimise_edges(SurfaceMesh& mesh, const EdgeOptimisationOptions& options,
+                                      Progress& progress, const std::vector<Index>& fixed_faces,
+                                      const std::vector<Vec3>* guide_normals) {
+  progress.begin(Stage::edge_optimisation);
+  progress.set_range(0.0, 0.2);
+  std::vector<Vec3f> guide = normals_of_vertices(mesh, guide_normals, progress);
+  EdgeOptimisationReport report;
+  if (options.criterion == EdgeOptimisationOptions::Criterion::quadric) {
+    QuadricCriterion criterion(mesh, options, std::move(guide), progress);
+    progress.set_range(0.2, 1.0);
+    report.flips = flip_all(mesh, criterion, fixed_faces, progress);
+  } else {
+    BendingCriterion criterion(mesh, options, std::move(guide), progress);
+    progress.set_range(0.2, 1.0);
+    report.flips = flip_all(mesh, criterion, fixed_faces, progress);
+  }
+  progress.update(1.0);
+  return report;
+}
+
+}  // namespace shrinkwrap

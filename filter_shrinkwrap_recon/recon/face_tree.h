@@ -1,0 +1,124 @@
+// The face of a mesh nearest to a point, by a tree of boxes.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "progress.h"
+#include "surface_mesh.h"
+#include "triangle_geometry.h"
+
+namespace shrinkwrap {
+
+/// A complete tree of boxes, four to a node, over the face slots of a mesh in their order: no
+/// pointers, 32 bytes a face. It is as good as the order of the faces; that of a canonical mesh is
+/// near enough to a Morton curve. Boxes are rounded outwards to floats, so that answers are exact.
+/// The mesh must outlive the tree and have no removed faces. Queries are safe from any number of
+/// threads.
+class FaceTree {
+ public:
+  struct Hit {
+    Index face = kNone;
+    double weight_b = 0.0, weight_c = 0.0;  ///< of the second and third corner
+    double squared_distance = std::numeric_limits<double>::infinity();
+  };
+
+  /// O(F), parallel.
+  FaceTree(const SurfaceMesh& mesh, Progress& progress);
+
+  /// The face nearest to the query, nearer than `squared_limit` (infinite: any) and accepted;
+  /// face == kNone if there is none. Of several at one distance the first met, which depends on
+  /// nothing but the arguments. `hint`: a face that is probably near, or kNone. `accept(face)` is
+  /// asked only of faces nearer than the best so far.
+  template <class Accept>
+  Hit nearest(const Vec3& query, double squared_limit, Index hint, const Accept& accept) const;
+
+ private:
+  static constexpr Index kWidth = 4;     // boxes to a node
+  static constexpr int kMaxLevels = 16;  // 4^16 exceeds what an Index counts
+  struct Group {
+    std::array<std::array<float, kWidth>, 3> low, high;
+  };
+  struct FloatBox {
+    std::array<float, 3> low, high;
+  };
+  struct Entry {
+    float bound;
+    int level;  // of a node; kFace: a face
+    Index index;
+  };
+  static constexpr int kFace = -1;
+
+  static float rounded_down(double x) {
+    const float f = static_cast<float>(x);
+    return f - std::abs(f) * 2.4e-7f - std::numeric_limits<float>::min();
+  }
+  static float rounded_up(double x) { return -rounded_down(-x); }
+
+  Group& group(int level, Index i) { return group_[level_begin_[level] + i]; }
+  const Group& group(int level, Index i) const { return group_[level_begin_[level] + i]; }
+  FloatBox box_of_face(Index f) const;
+  static FloatBox box_of_group(const Group& group);
+  static void put(Group& group, Index lane, const FloatBox& box);
+
+  const SurfaceMesh& mesh_;
+  Index faces_ = 0;
+  int levels_ = 0;
+  std::array<Index, kMaxLevels> level_begin_{};
+  std::vector<Group> group_;  // the boxes of faces first, the root last
+};
+
+template <class Accept>
+FaceTree::Hit FaceTree::nearest(const Vec3& query, double squared_limit, Index hint,
+                                const Accept& accept) const {
+  Hit best;
+  best.squared_distance = squared_limit;
+  if (faces_ == 0) return best;
+  const auto look_at = [&](Index f) {
+    const Triangle t = mesh_.triangle(f);
+    const TriangleFoot foot =
+        foot_on_triangle(query, mesh_.position[t[0]], mesh_.position[t[1]], mesh_.position[t[2]]);
+    if (foot.squared_distance < best.squared_distance && accept(f))
+      best = {f, foot.weight_b, foot.weight_c, foot.squared_distance};
+  };
+  if (hint != kNone) look_at(hint);
+
+  FloatBox box;
+  for (int axis = 0; axis < 3; ++axis) {
+    box.low[axis] = rounded_down(query[axis]);
+    box.high[axis] = rounded_up(query[axis]);
+  }
+  std::array<Entry, (kWidth - 1) * kMaxLevels + 2> stack;
+  int top = 0;
+  stack[top++] = {0.0f, levels_ - 1, 0};
+  while (top > 0) {
+    const Entry entry = stack[--top];
+    if (entry.bound >= best.squared_distance) continue;
+    if (entry.level == kFace) {
+      if (entry.index != hint) look_at(entry.index);
+      continue;
+    }
+    const Group& node = group(entry.level, entry.index);
+    std::array<float, kWidth> bound{};
+    for (int axis = 0; axis < 3; ++axis)
+      for (Index lane = 0; lane < kWidth; ++lane) {
+        const float d = std::max(std::max(node.low[axis][lane] - box.high[axis], 0.0f),
+                                 box.low[axis] - node.high[axis][lane]);
+        bound[lane] += d * d;
+      }
+    // Nearest on top of the stack; the factor makes up for the rounding of the sum.
+    const int bottom = top;
+    for (Index lane = 0; lane < kWidth; ++lane) {
+      const float lower = bound[lane] * 0.999999f;
+      if (!(lower < best.squared_distance)) continue;
+      int slot = top++;
+      for (; slot > bottom && stack[slot - 1].bound < lower; --slot) stack[slot] = stack[slot - 1];
+      stack[slot] = {lower, entry.level - 1, kWidth * entry.index + lane};
+    }
+  }
+  return best;
+}
+
+}  // namespace shrinkwrap

@@ -1,0 +1,29 @@
+// Membranes: where the parametric surface spans an opening of the scan, far from every sample.
+#pragma once
+
+#include <vector>
+
+#include "complete_matching.h"
+#include "sample_feet.h"
+
+namespace shrinkwrap {
+
+struct Membranes {
+  std::vector<char> is_membrane;  ///< per vertex of the surface; empty if there are none
+  Index count = 0;                ///< connected pieces
+};
+
+/// Marks vertices farther than `low` spacings from every sample that are connected, through such
+/// vertices, to one farther than `high` (the larger of the median and the local spacing of the
+/// nearest sample). The feet of samples spare most vertices the search. O(V) expected, parallel.
+Membranes find_membranes(const SurfaceMesh& surface, const SampleFeet& feet,
+                         const PointCloud& cloud, const VoxelSearch& search, double low,
+                         double high, Progress& progress);
+
+/// The faces to drop so that the membranes become openings with clean borders, ascending: those
+/// that hold a vertex from `first_extra` on, and a few more or less, so that every vertex has one
+/// fan of faces left, and every vertex below `first_extra` at least one face. Pre: closed mesh.
+std::vector<Index> faces_of_openings(const SurfaceMesh& mesh, Index first_extra,
+                                     Progress& progress);
+
+}  // namespace shrinkwrap

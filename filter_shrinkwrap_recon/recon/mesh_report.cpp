@@ -1,0 +1,394 @@
+#include "mesh_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numeric>
+
+#include "coordinate_matches.h"
+#include "parallel.h"
+#include "self_intersection.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr Index kGrain = 1 << 12;
+constexpr Index kUpdateInterval = 1 << 16;
+
+class DisjointSets {
+ public:
+  explicit DisjointSets(Index count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+  void clear(Index count) {
+    parent_.resize(count);
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+  Index find(Index i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  /// Returns false if the two were together already. The lower one stays the representative.
+  bool unite(Index a, Index b) {
+    a = find(a);
+    b = find(b);
+    if (a == b) return false;
+    parent_[std::max(a, b)] = std::min(a, b);
+    return true;
+  }
+
+ private:
+  std::vector<Index> parent_;
+};
+
+bool is_degenerate(const Triangle& t, Index vertices) {
+  if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return true;
+  return std::any_of(t.begin(), t.end(), [&](Index v) { return v < 0 || v >= vertices; });
+}
+
+// The corners (3 face + place in the face) at each vertex, but for degenerate faces.
+struct Incidence {
+  std::vector<Index> begin;  // of each vertex in `corner`, and the end
+  std::vector<Index> corner;
+  Index degenerate_faces = 0;
+};
+
+Incidence find_incidence(Index vertices, const std::vector<Triangle>& triangles,
+                         Progress& progress) {
+  Incidence incidence;
+  incidence.begin.assign(static_cast<std::size_t>(vertices) + 1, 0);
+  const Index faces = static_cast<Index>(triangles.size());
+  const auto poll = [&](Index f, double done) {
+    if (f % kUpdateInterval == 0) progress.update(done + 0.5 * f / faces);
+  };
+  for (Index f = 0; f < faces; ++f) {
+    poll(f, 0.0);
+    if (is_degenerate(triangles[f], vertices))
+      ++incidence.degenerate_faces;
+    else
+      for (Index v : triangles[f]) ++incidence.begin[v + 1];
+  }
+  std::partial_sum(incidence.begin.begin(), incidence.begin.end(), incidence.begin.begin());
+  incidence.corner.resize(incidence.begin.back());
+  std::vector<Index> cursor(incidence.begin.begin(), incidence.begin.end() - 1);
+  for (Index f = 0; f < faces; ++f) {
+    poll(f, 0.5);
+    if (incidence.degenerate_faces > 0 && is_degenerate(triangles[f], vertices)) continue;
+    for (Index i = 0; i < 3; ++i) incidence.corner[cursor[triangles[f][i]]++] = 3 * f + i;
+  }
+  return incidence;
+}
+
+struct BorderEdge {
+  Index a, b;
+  Index face;
+};
+
+struct EdgeCounts {
+  Index vertices = 0, edges = 0;
+  Index nonmanifold_edges = 0, nonmanifold_vertices = 0, misoriented_edges = 0;
+  std::vector<BorderEdge> border;
+
+  void add(const EdgeCounts& other) {
+    vertices += other.vertices;
+    edges += other.edges;
+    nonmanifold_edges += other.nonmanifold_edges;
+    nonmanifold_vertices += other.nonmanifold_vertices;
+    misoriented_edges += other.misoriented_edges;
+    border.insert(border.end(), other.border.begin(), other.border.end());
+  }
+};
+
+// Looks at the faces around one vertex after the other.
+class StarWalker {
+ public:
+  StarWalker(const std::vector<Triangle>& triangles, const Incidence& incidence,
+             std::vector<Index>& next_face)
+      : triangles_(triangles), incidence_(incidence), next_face_(next_face) {}
+
+  /// Counts the vertex, what its faces are to each other, and the edges to higher vertices. For
+  /// these, chains the faces at the edge: `next_face` of a half-edge is another face there, or
+  /// kNone.
+  void visit(Index v, EdgeCounts& counts) {
+    const Index first = incidence_.begin[v];
+    const Index faces = incidence_.begin[v + 1] - first;
+    if (faces == 0) return;
+    gather_spokes(first, faces);
+    ++counts.vertices;
+    together_.clear(faces);
+    Index fans = faces;
+    bool edges_are_manifold = true;
+    for (std::size_t i = 0; i < spokes_.size();) {
+      std::size_t end = i + 1;
+      while (end < spokes_.size() && spokes_[end].other == spokes_[i].other) ++end;
+      for (std::size_t j = i + 1; j < end; ++j)
+        fans -= together_.unite(spokes_[i].place, spokes_[j].place) ? 1 : 0;
+      edges_are_manifold &= end - i <= 2;
+      if (v < spokes_[i].other) count_edge(v, i, end, counts);
+      i = end;
+    }
+    if (fans > 1 || !edges_are_manifold) ++counts.nonmanifold_vertices;
+  }
+
+ private:
+  // A face seen along one of its two edges at the vertex.
+  struct Spoke {
+    Index other;     // vertex at the far end
+    Index place;     // of the face among those around the vertex
+    Index halfedge;  // of the face along the edge
+    bool outgoing;
+  };
+
+  void gather_spokes(Index first, Index faces) {
+    spokes_.clear();
+    for (Index place = 0; place < faces; ++place) {
+      const Index corner = incidence_.corner[first + place];
+      const Index f = SurfaceMesh::face(corner);
+      const Index next = SurfaceMesh::next(corner), previous = SurfaceMesh::prev(corner);
+      spokes_.push_back({triangles_[f][next - 3 * f], place, corner, true});
+      spokes_.push_back({triangles_[f][previous - 3 * f], place, previous, false});
+    }
+    const auto before = [](const Spoke& a, const Spoke& b) {
+      return a.other != b.other ? a.other < b.other : a.halfedge < b.halfedge;
+    };
+    std::sort(spokes_.begin(), spokes_.end(), before);
+  }
+
+  void count_edge(Index v, std::size_t begin, std::size_t end, EdgeCounts& counts) {
+    const std::size_t faces = end - begin;
+    ++counts.edges;
+    if (faces == 1)
+      counts.border.push_back(
+          {v, spokes_[begin].other, SurfaceMesh::face(spokes_[begin].halfedge)});
+    if (faces > 2) ++counts.nonmanifold_edges;
+    if (faces == 2 && spokes_[begin].outgoing == spokes_[begin + 1].outgoing)
+      ++counts.misoriented_edges;
+    for (std::size_t i = begin; i + 1 < end; ++i)
+      next_face_[spokes_[i].halfedge] = SurfaceMesh::face(spokes_[i + 1].halfedge);
+  }
+
+  const std::vector<Triangle>& triangles_;
+  const Incidence& incidence_;
+  std::vector<Index>& next_face_;
+  std::vector<Spoke> spokes_;
+  DisjointSets together_{0};
+};
+
+EdgeCounts count_edges(const std::vector<Triangle>& triangles, const Incidence& incidence,
+                       std::vector<Index>& next_face, Progress& progress) {
+  const Index vertices = static_cast<Index>(incidence.begin.size()) - 1;
+  std::vector<EdgeCounts> partial(block_count(vertices, kGrain));
+  parallel_blocks(vertices, kGrain, progress, [&](Index block, Index begin, Index end) {
+    StarWalker walker(triangles, incidence, next_face);
+    for (Index v = begin; v < end; ++v) walker.visit(v, partial[block]);
+  });
+  EdgeCounts counts;
+  for (const EdgeCounts& part : partial) counts.add(part);
+  return counts;
+}
+
+// Sets of border edges that hang together: for a manifold, its loops.
+Index count_border_loops(const std::vector<BorderEdge>& border) {
+  std::vector<Index> vertex;
+  vertex.reserve(2 * border.size());
+  for (const BorderEdge& edge : border) {
+    vertex.push_back(edge.a);
+    vertex.push_back(edge.b);
+  }
+  std::sort(vertex.begin(), vertex.end());
+  vertex.erase(std::unique(vertex.begin(), vertex.end()), vertex.end());
+  const auto number_of = [&](Index v) {
+    return static_cast<Index>(std::lower_bound(vertex.begin(), vertex.end(), v) - vertex.begin());
+  };
+  Index loops = static_cast<Index>(vertex.size());
+  DisjointSets sets(loops);
+  for (const BorderEdge& edge : border)
+    loops -= sets.unite(number_of(edge.a), number_of(edge.b)) ? 1 : 0;
+  return loops;
+}
+
+struct Components {
+  std::vector<Index> of_face;  // lowest face of the component; kNone for degenerate faces
+  Index count = 0;
+};
+
+Components find_components(const std::vector<Triangle>& triangles, Index vertices,
+                           const std::vector<Index>& next_face, Progress& progress) {
+  const Index faces = static_cast<Index>(triangles.size());
+  Components components;
+  DisjointSets sets(faces);
+  for (Index f = 0; f < faces; ++f) {
+    if (f % kUpdateInterval == 0) progress.update(static_cast<double>(f) / faces);
+    for (Index h = 3 * f; h < 3 * f + 3; ++h)
+      if (next_face[h] != kNone) sets.unite(f, next_face[h]);
+  }
+  components.of_face.resize(triangles.size(), kNone);
+  for (Index f = 0; f < faces; ++f) {
+    if (f % kUpdateInterval == 0) progress.update(1.0);
+    if (is_degenerate(triangles[f], vertices)) continue;
+    components.of_face[f] = sets.find(f);
+    if (components.of_face[f] == f) ++components.count;
+  }
+  return components;
+}
+
+// Six times the signed volume between a face and a fixed point; 0 if not finite.
+double volume_under(const std::vector<Vec3>& positions, const Triangle& t, const Vec3& apex) {
+  const double volume =
+      (positions[t[0]] - apex).dot((positions[t[1]] - apex).cross(positions[t[2]] - apex));
+  return std::isfinite(volume) ? volume : 0.0;
+}
+
+// Sums the volume of every component, in the order of the faces.
+void measure_volume(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles,
+                    const Components& components, const std::vector<BorderEdge>& border,
+                    MeshReport& report, Progress& progress) {
+  const Index faces = static_cast<Index>(triangles.size());
+  std::vector<double> volume(triangles.size(), 0.0);
+  std::vector<char> component_is_open(triangles.size(), 0);
+  for (const BorderEdge& edge : border) component_is_open[components.of_face[edge.face]] = 1;
+  const auto finite =
+      std::find_if(positions.begin(), positions.end(), [](const Vec3& p) { return p.allFinite(); });
+  const Vec3 apex = finite != positions.end() ? *finite : Vec3(Vec3::Zero());
+  for (Index f = 0; f < faces; ++f) {
+    if (f % kUpdateInterval == 0) progress.update(static_cast<double>(f) / faces);
+    const Index component = components.of_face[f];
+    if (component == kNone) continue;
+    volume[component] += volume_under(positions, triangles[f], apex) / 6.0;
+  }
+  for (Index f = 0; f < faces; ++f) {
+    if (components.of_face[f] != f) continue;
+    report.volume += volume[f];
+    if (!component_is_open[f] && volume[f] < 0.0) ++report.components_inward;
+  }
+  if (!report.closed()) report.volume = 0.0;
+}
+
+// Everything but self-intersections and samples. Returns which vertices are used.
+std::vector<char> measure_topology(const std::vector<Vec3>& positions,
+                                   const std::vector<Triangle>& triangles, MeshReport& report,
+                                   Progress& progress) {
+  const Index vertices = static_cast<Index>(positions.size());
+  std::vector<char> is_used(positions.size(), 0);
+  std::vector<Index> next_face(3 * triangles.size(), kNone);
+  EdgeCounts counts;
+  progress.set_range(0.0, 0.1);
+  {
+    const Incidence incidence = find_incidence(vertices, triangles, progress);
+    for (Index v = 0; v < vertices; ++v)
+      is_used[v] = incidence.begin[v] < incidence.begin[v + 1] ? 1 : 0;
+    report.degenerate_faces = incidence.degenerate_faces;
+    progress.set_range(0.1, 0.25);
+    counts = count_edges(triangles, incidence, next_face, progress);
+  }
+  report.vertices = counts.vertices;
+  report.edges = counts.edges;
+  report.faces = static_cast<Index>(triangles.size());
+  report.border_edges = static_cast<Index>(counts.border.size());
+  report.border_loops = count_border_loops(counts.border);
+  report.nonmanifold_edges = counts.nonmanifold_edges;
+  report.nonmanifold_vertices = counts.nonmanifold_vertices;
+  report.misoriented_edges = counts.misoriented_edges;
+
+  progress.set_range(0.25, 0.35);
+  const Components components = find_components(triangles, vertices, next_face, progress);
+  report.components = components.count;
+  if (report.manifold()) {
+    // Every opening gets a cap: one more face.
+    const Index euler = report.vertices - report.edges + report.faces + report.border_loops;
+    report.genus = report.components - euler / 2;
+  }
+  progress.set_range(0.35, 0.4);
+  measure_volume(positions, triangles, components, counts.border, report, progress);
+  return is_used;
+}
+
+std::string counted(Index count, const char* singular, const char* plural) {
+  return std::to_string(count) + " " + (count == 1 ? singular : plural);
+}
+
+// Collects what is wrong, for one line.
+class Complaints {
+ public:
+  void add(Index count, const char* singular, const char* plural) {
+    if (count > 0) text_ += (text_.empty() ? "" : ", ") + counted(count, singular, plural);
+  }
+  std::string or_else(const char* none) const { return text_.empty() ? none : text_; }
+
+ private:
+  std::string text_;
+};
+
+std::string short_number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
+}  // namespace
+
+MeshReport measure_mesh(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles,
+                        const std::vector<Vec3>& samples, const MeshReportOptions& options,
+                        Progress& progress) {
+  MeshReport report;
+  const std::vector<char> is_used = measure_topology(positions, triangles, report, progress);
+  progress.set_range(0.4, 0.5);
+  const CoordinateMatches matches = match_coordinates(samples, positions, is_used, progress);
+  report.samples = matches.samples;
+  report.samples_matched = matches.matched;
+  report.samples_missing = matches.missing;
+  report.samples_matched_twice = matches.matched_twice;
+  report.vertices_extra = matches.extra;
+  progress.set_range(0.5, 1.0);
+  if (options.count_self_intersections)
+    report.self_intersecting_faces =
+        static_cast<Index>(self_intersecting_faces(positions, triangles, progress).size());
+  progress.set_range(0.0, 1.0);
+  return report;
+}
+
+std::vector<std::string> describe(const MeshReport& report) {
+  std::vector<std::string> lines;
+  lines.push_back("Mesh: " + counted(report.vertices, "vertex", "vertices") + ", " +
+                  counted(report.edges, "edge", "edges") + ", " +
+                  counted(report.faces, "face", "faces") + ", " +
+                  counted(report.components, "component", "components"));
+
+  Complaints surface;
+  surface.add(report.degenerate_faces, "degenerate face", "degenerate faces");
+  surface.add(report.nonmanifold_edges, "non-manifold edge", "non-manifold edges");
+  surface.add(report.nonmanifold_vertices, "non-manifold vertex", "non-manifold vertices");
+  surface.add(report.misoriented_edges, "misoriented edge", "misoriented edges");
+  lines.push_back("2-manifold: " + surface.or_else(report.faces > 0 ? "yes" : "no faces") +
+                  (report.genus >= 0 ? ", genus " + std::to_string(report.genus) : ""));
+
+  Complaints borders;
+  borders.add(report.border_edges, "border edge", "border edges");
+  borders.add(report.border_loops, "opening", "openings");
+  std::string closed = "Closed: " + borders.or_else(report.faces > 0 ? "yes" : "no faces");
+  if (report.closed()) {
+    closed += ", volume " + short_number(report.volume);
+    if (report.components_inward > 0)
+      closed +=
+          ", " + counted(report.components_inward, "component", "components") + " oriented inwards";
+  }
+  lines.push_back(closed);
+
+  if (report.self_intersecting_faces >= 0)
+    lines.push_back("Self-intersections: " +
+                    (report.self_intersecting_faces == 0
+                         ? std::string("none")
+                         : counted(report.self_intersecting_faces, "face", "faces")));
+
+  Complaints samples;
+  samples.add(report.samples_missing, "sample is no vertex", "samples are no vertex");
+  samples.add(report.samples_matched_twice, "sample is several vertices",
+              "samples are several vertices");
+  samples.add(report.vertices_extra, "vertex is no sample", "vertices are no sample");
+  lines.push_back("Complete matching: " + std::to_string(report.samples_matched) + " of " +
+                  counted(report.samples, "sample", "samples") + " matched exactly; " +
+                  samples.or_else("one to one"));
+  return lines;
+}
+
+}  // namespace shrinkwrap

@@ -1,0 +1,235 @@
+#include "point_cloud.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+#include "morton.h"
+#include "neighbourhoods.h"
+#include "parallel.h"
+#include "voxel_search.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr Index kGrain = 1 << 14;
+constexpr double kPi = 3.14159265358979323846;
+
+struct Box {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
+  Box& operator+=(const Box& other) {
+    low = low.cwiseMin(other.low);
+    high = high.cwiseMax(other.high);
+    return *this;
+  }
+};
+
+Box bounding_box(const std::vector<Vec3>& points) {
+  Progress silent;
+  return parallel_sum<Box>(static_cast<Index>(points.size()), kGrain, silent, Box(),
+                           [&](Index begin, Index end) {
+                             Box box;
+                             for (Index i = begin; i < end; ++i) {
+                               box.low = box.low.cwiseMin(points[i]);
+                               box.high = box.high.cwiseMax(points[i]);
+                             }
+                             return box;
+                           });
+}
+
+// Positions in the input of the finite points.
+std::vector<Index> finite_points(const std::vector<Vec3>& points, Progress& progress) {
+  return parallel_collect<Index>(static_cast<Index>(points.size()), kGrain, progress,
+                                 [&](Index begin, Index end, std::vector<Index>& out) {
+                                   out.reserve(static_cast<std::size_t>(end - begin));
+                                   for (Index i = begin; i < end; ++i)
+                                     if (points[i].allFinite()) out.push_back(i);
+                                 });
+}
+
+// Drops all but the first (in the input) of points with equal coordinates. In Morton order these
+// are next to each other, but where rounding to the unit frame made different points equal they are
+// mixed: hence the sort of each run. Returns the input positions that stay, in Morton order.
+std::vector<Index> without_duplicates(const std::vector<Vec3>& points,
+                                      const std::vector<Vec3>& unit,
+                                      const std::vector<Index>& input_index,
+                                      const std::vector<Index>& order) {
+  const auto before = [&](Index a, Index b) {
+    const Vec3 &p = points[a], &q = points[b];
+    for (int axis = 0; axis < 3; ++axis)
+      if (p[axis] != q[axis]) return p[axis] < q[axis];
+    return a < b;
+  };
+  std::vector<Index> kept, run;
+  kept.reserve(order.size());
+  for (std::size_t begin = 0; begin < order.size();) {
+    std::size_t end = begin + 1;
+    while (end < order.size() && unit[order[end]] == unit[order[begin]]) ++end;
+    if (end - begin == 1) {
+      kept.push_back(input_index[order[begin]]);
+    } else {
+      run.clear();
+      for (std::size_t i = begin; i < end; ++i) run.push_back(input_index[order[i]]);
+      std::sort(run.begin(), run.end(), before);
+      run.erase(std::unique(run.begin(), run.end(),
+                            [&](Index a, Index b) { return points[a] == points[b]; }),
+                run.end());
+      std::sort(run.begin(), run.end());
+      kept.insert(kept.end(), run.begin(), run.end());
+    }
+    begin = end;
+  }
+  return kept;
+}
+
+// Whether a double holds no more digits than a float does. By its bits: GCC 12 vectorises a
+// narrowing and the widening after it into nothing.
+bool is_float(double x) {
+  std::uint64_t bits;
+  std::memcpy(&bits, &x, sizeof bits);
+  constexpr std::uint64_t kBeyondFloat = (std::uint64_t{1} << 29) - 1;
+  return (bits & kBeyondFloat) == 0;
+}
+
+// How far rounding may have moved a point, in the unit frame: the coordinates may be floats or
+// doubles.
+double rounding_of_input(const std::vector<Vec3>& points, const PointCloud& cloud) {
+  double largest = 0.0;
+  bool single_precision = true;
+  for (Index i : cloud.input_index) {
+    largest = std::max(largest, points[i].cwiseAbs().maxCoeff());
+    for (int axis = 0; axis < 3; ++axis)
+      single_precision = single_precision && is_float(points[i][axis]);
+  }
+  const double unit_roundoff = single_precision ? std::ldexp(1.0, -24) : std::ldexp(1.0, -53);
+  return 2.0 * unit_roundoff * largest * cloud.frame.scale + 1e-12;
+}
+
+// A closed surface needs samples on all sides: refuses what is flat up to the rounding of its
+// coordinates.
+void refuse_flat(const PointCloud& cloud, double tolerance, Progress& progress) {
+  const auto& position = cloud.position;
+  const Vec3 mean = parallel_sum<Vec3>(cloud.size(), kGrain, progress, Vec3(Vec3::Zero()),
+                                       [&](Index begin, Index end) {
+                                         Vec3 sum = Vec3::Zero();
+                                         for (Index i = begin; i < end; ++i) sum += position[i];
+                                         return sum;
+                                       }) /
+                    cloud.size();
+  const Eigen::Matrix3d scatter = parallel_sum<Eigen::Matrix3d>(
+      cloud.size(), kGrain, progress, Eigen::Matrix3d(Eigen::Matrix3d::Zero()),
+      [&](Index begin, Index end) {
+        Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+        for (Index i = begin; i < end; ++i) {
+          const Vec3 d = position[i] - mean;
+          sum += d * d.transpose();
+        }
+        return sum;
+      });
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
+  const Eigen::Matrix3d axes = solver.eigenvectors();  // least extent first
+  double from_plane = 0.0, from_line = 0.0;
+  for (const Vec3& p : position) {
+    const Vec3 d = axes.transpose() * (p - mean);
+    from_plane = std::max(from_plane, std::abs(d.x()));
+    from_line = std::max(from_line, std::hypot(d.x(), d.y()));
+  }
+  if (from_plane > tolerance) return;
+  throw InvalidInput("all " + std::to_string(cloud.size()) + " distinct points lie " +
+                     (from_line > tolerance ? "in one plane" : "on one line") +
+                     ": no closed surface passes through them. Add points off it, or triangulate "
+                     "flat points with a planar method.");
+}
+
+void refuse_few(const ConditioningReport& report) {
+  if (report.distinct >= 4) return;
+  std::string what = "a closed surface needs at least 4 distinct points, but there are " +
+                     std::to_string(report.distinct) + " (of " + std::to_string(report.given) +
+                     " given";
+  if (report.not_finite > 0)
+    what += ", " + std::to_string(report.not_finite) + " have no finite coordinates";
+  if (report.duplicates > 0)
+    what += ", " + std::to_string(report.duplicates) + " are duplicates of others";
+  throw InvalidInput(what + "). Load or select more points.");
+}
+
+}  // namespace
+
+Frame unit_frame(const std::vector<Vec3>& points) {
+  Frame frame;
+  if (points.empty()) return frame;
+  const Box box = bounding_box(points);
+  // Halves first: the sum of two large coordinates may not be finite.
+  frame.center = 0.5 * box.low + 0.5 * box.high;
+  const double half_extent = (0.5 * box.high - 0.5 * box.low).maxCoeff();
+  if (half_extent > 0.0) {
+    int exponent = 0;
+    if (std::frexp(half_extent, &exponent) == 0.5) --exponent;
+    frame.scale = std::ldexp(1.0, std::min(-exponent, 1000));  // finite also for subnormal extents
+  }
+  return frame;
+}
+
+PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions& options,
+                           Progress& progress) {
+  progress.begin(Stage::samples);
+  if (options.neighbours < 4)
+    throw InvalidInput("the number of neighbours per sample is " +
+                       std::to_string(options.neighbours) + ": at least 4 are needed for a plane.");
+  if (points.size() > static_cast<std::size_t>(std::numeric_limits<Index>::max()) / 16)
+    throw InvalidInput(std::to_string(points.size()) +
+                       " points are too many for 32-bit indices. Subsample the cloud first.");
+  PointCloud cloud;
+  cloud.conditioning.given = points.size();
+
+  progress.set_range(0.0, 0.05);
+  std::vector<Index> input_index = finite_points(points, progress);
+  cloud.conditioning.not_finite = points.size() - input_index.size();
+  {
+    std::vector<Vec3> unit(input_index.size());
+    const Index count = static_cast<Index>(unit.size());
+    parallel_for_each(count, kGrain, progress, [&](Index i) { unit[i] = points[input_index[i]]; });
+    cloud.frame = unit_frame(unit);
+    parallel_for_each(count, kGrain, progress,
+                      [&](Index i) { unit[i] = cloud.frame.to_unit(unit[i]); });
+    cloud.input_index = without_duplicates(points, unit, input_index, morton_order(unit));
+    input_index = {};
+  }
+  cloud.conditioning.distinct = cloud.input_index.size();
+  cloud.conditioning.duplicates =
+      points.size() - cloud.conditioning.not_finite - cloud.conditioning.distinct;
+  refuse_few(cloud.conditioning);
+
+  progress.set_range(0.2, 0.3);
+  cloud.position.resize(cloud.input_index.size());
+  parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
+    cloud.position[i] = cloud.frame.to_unit(points[cloud.input_index[i]]);
+  });
+  refuse_flat(cloud, rounding_of_input(points, cloud), progress);
+
+  progress.set_range(0.35, 1.0);
+  Neighbourhoods neighbourhoods = find_neighbourhoods(cloud.position, VoxelSearch(cloud.position),
+                                                      options.neighbours, progress);
+  cloud.neighbour_count = neighbourhoods.k;
+  cloud.neighbour = std::move(neighbourhoods.neighbour);
+  cloud.normal = std::move(neighbourhoods.normal);
+  cloud.local_spacing = std::move(neighbourhoods.radius);
+
+  // A disc of radius d_k around a sample holds k - 1 others, each with an area of s^2 to itself.
+  const float spacing_per_radius = static_cast<float>(std::sqrt(kPi / (cloud.neighbour_count - 1)));
+  for (float& spacing : cloud.local_spacing) spacing *= spacing_per_radius;
+  std::vector<float> sorted = cloud.local_spacing;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  cloud.spacing = std::max(static_cast<double>(*middle), 1e-12);
+  // Points that rounding brought together have no spacing of their own: stages divide by it.
+  const float floor = static_cast<float>(1e-3 * cloud.spacing);
+  for (float& spacing : cloud.local_spacing) spacing = std::max(spacing, floor);
+  return cloud;
+}
+
+}  // namespace shrinkwrap

@@ -1,0 +1,168 @@
+#include "reconstruct.h"
+
+#include <tbb/task_arena.h>
+
+#include <chrono>
+
+#include "memory_estimate.h"
+#include "voxel_search.h"
+
+namespace shrinkwrap {
+namespace {
+
+class Stopwatch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - begin_).count();
+    begin_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+// Collects the rows of table 1 while the stages pass by.
+class StageLog {
+ public:
+  StageLog(Reconstruction& result, const ReconstructionOptions& options)
+      : result_(result), keep_meshes_(options.keep_stages) {}
+
+  void add(Stage stage, Index vertices) {
+    StageRecord record;
+    record.name = stage_name(stage);
+    record.vertices = vertices;
+    record.seconds = watch_.lap();
+    result_.stages.push_back(std::move(record));
+  }
+  // `make_mesh` is called only if the caller wants the stages; its time is not the stage's.
+  template <class MakeMesh>
+  void add(Stage stage, Index vertices, const MakeMesh& make_mesh) {
+    add(stage, vertices);
+    if (!keep_meshes_) return;
+    result_.stages.back().mesh = make_mesh();
+    watch_.lap();
+  }
+
+ private:
+  Reconstruction& result_;
+  bool keep_meshes_;
+  Stopwatch watch_;
+};
+
+// The promise of the method; says which part of it does not hold.
+void check_promise(const Reconstruction& result, const ReconstructionOptions& options) {
+  const MeshReport& report = result.report;
+  const bool may_be_open =
+      options.complete_matching.openings == CompleteMatchingOptions::Openings::leave_open;
+  const auto fail = [](const std::string& part) {
+    throw ReconstructionFailed(
+        "the mesh would not be " + part +
+        ": nothing was made. Try another voxel size or level for the initial mesh, remove "
+        "stray points, or stop at the parametric surface if the cloud is noisy.");
+  };
+  if (!report.manifold()) fail("a 2-manifold");
+  if (!report.closed() && !may_be_open) fail("closed");
+  if (report.closed() && !report.outward()) fail("oriented outwards");
+  if (options.stop_at_parametric_surface) return;
+  if (report.samples_missing > 0)
+    fail("complete (" + std::to_string(report.samples_missing) + " samples are no vertex)");
+  if (report.samples_matched_twice > 0) fail("one to one");
+}
+
+Reconstruction run(const std::vector<Vec3>& points, const ReconstructionOptions& options,
+                   Progress& progress) {
+  Reconstruction result;
+  StageLog log(result, options);
+
+  require_memory_for(points.size(), options.memory_limit);
+  PointCloud cloud = prepare_samples(points, options.samples, progress);
+  const VoxelSearch search(cloud.position);
+  result.conditioning = cloud.conditioning;
+  result.spacing = cloud.frame.to_input_length(cloud.spacing);
+  log.add(Stage::samples, cloud.size());
+
+  result.orientation = orient_normals(cloud, options.orientation, progress);
+  log.add(Stage::orientation, cloud.size());
+
+  SurfaceMesh mesh;
+  const auto in_input_frame = [&] { return to_result(mesh, cloud.frame); };
+  {
+    InitialMesh initial = make_initial_mesh(cloud, search, options.initial_mesh, progress);
+    result.initial_mesh = initial.report;
+    mesh = std::move(initial.mesh);
+    round_to_host(mesh, cloud.frame, options.host_scalar);
+    log.add(Stage::initial_mesh, mesh.vertex_count(), in_input_frame);
+  }
+  {
+    ControlMesh control =
+        make_control_mesh(std::move(mesh), cloud.size(), options.control_mesh, progress);
+    mesh = std::move(control.mesh);
+    round_to_host(mesh, cloud.frame, options.host_scalar);
+    log.add(Stage::control_mesh, mesh.vertex_count(), in_input_frame);
+  }
+  {
+    ParametricSurface parametric = make_parametric_surface(std::move(mesh), cloud, search,
+                                                           options.parametric_surface, progress);
+    result.parametric_surface = parametric.report;
+    mesh = std::move(parametric.mesh);
+    round_to_host(mesh, cloud.frame, options.host_scalar);
+    log.add(Stage::parametric_surface, mesh.vertex_count(), in_input_frame);
+  }
+  if (options.stop_at_parametric_surface) {
+    result.mesh = in_input_frame();
+  } else {
+    CompleteMatching matching =
+        match_samples(std::move(mesh), cloud, search, options.complete_matching, progress);
+    result.complete_matching = matching.report;
+    log.add(Stage::complete_matching, matching.mesh.vertex_count(),
+            [&] { return to_result(matching, cloud, points); });
+
+    result.edge_optimisation = optimise_edges(matching.mesh, options.edge_optimisation, progress);
+    result.mesh = to_result(matching, cloud, points);
+    drop_faces(result.mesh, matching.opening_faces);
+    log.add(Stage::edge_optimisation, matching.mesh.vertex_count(), [&] { return result.mesh; });
+  }
+
+  progress.begin(Stage::report);
+  cloud = PointCloud();
+  result.report =
+      measure_mesh(result.mesh.position, result.mesh.triangles, points, options.report, progress);
+  log.add(Stage::report, result.report.vertices);
+  check_promise(result, options);
+  return result;
+}
+
+}  // namespace
+
+ReconstructionOptions as_in_the_paper() {
+  ReconstructionOptions options;
+  options.initial_mesh.start = InitialMeshOptions::Start::bounding_box;
+  options.control_mesh.area_weighted = false;
+  options.parametric_surface.target = ParametricSurfaceOptions::Target::nearest_sample;
+  options.parametric_surface.attraction = 0.85;
+  options.parametric_surface.relaxation = 0.0;
+  options.complete_matching.method = CompleteMatchingOptions::Method::snap_and_insert;
+  options.edge_optimisation.criterion = EdgeOptimisationOptions::Criterion::quadric;
+  return options;
+}
+
+std::vector<Stage> stages_of(const ReconstructionOptions& options) {
+  std::vector<Stage> stages = {Stage::samples, Stage::orientation, Stage::initial_mesh,
+                               Stage::control_mesh, Stage::parametric_surface};
+  if (!options.stop_at_parametric_surface) {
+    stages.push_back(Stage::complete_matching);
+    stages.push_back(Stage::edge_optimisation);
+  }
+  stages.push_back(Stage::report);
+  return stages;
+}
+
+Reconstruction reconstruct(const std::vector<Vec3>& points, const ReconstructionOptions& options,
+                           Progress& progress) {
+  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+  return arena.execute([&] { return run(points, options, progress); });
+}
+
+}  // namespace shrinkwrap

@@ -1,0 +1,39 @@
+// Meshes in the caller's frame and terms: what leaves the pipeline, and what stages run one by one
+// hand over.
+#pragma once
+
+#include <vector>
+
+#include "complete_matching.h"
+#include "point_cloud.h"
+#include "surface_mesh.h"
+
+namespace shrinkwrap {
+
+/// A mesh in the caller's frame. Vertices that stand for samples have the caller's coordinates, to
+/// the bit.
+struct ResultMesh {
+  std::vector<Vec3> position;
+  std::vector<Index>
+      input_index;  ///< of each vertex in the caller's points; kNone if it is no sample
+  std::vector<Triangle> triangles;
+};
+
+/// An intermediate mesh (initial, control, parametric) in the frame of the input; no vertex is a
+/// sample.
+ResultMesh to_result(const SurfaceMesh& mesh, const Frame& frame);
+
+/// A complete matching: vertex i is the i-th distinct sample in the caller's order, extra vertices
+/// follow. Faces keep their order. `points` are those that the cloud was prepared from.
+ResultMesh to_result(const CompleteMatching& matching, const PointCloud& cloud,
+                     const std::vector<Vec3>& points);
+
+/// Drops faces (indices ascending) and the extra vertices that are left without a face: a mesh with
+/// openings.
+void drop_faces(ResultMesh& mesh, const std::vector<Index>& faces);
+
+/// The way back for a stage that starts from such a mesh: in the unit frame, same vertex and face
+/// order. Throws InvalidInput if it is not a closed, consistently oriented 2-manifold.
+SurfaceMesh to_surface(const ResultMesh& mesh, const Frame& frame);
+
+}  // namespace shrinkwrap

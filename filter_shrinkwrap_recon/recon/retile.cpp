@@ -1,0 +1,150 @@
+#include "retile.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "close_openings.h"
+#include "delaunay_flips.h"
+#include "insert_feet.h"
+#include "membranes.h"
+#include "parallel.h"
+#include "sample_feet.h"
+#include "vertex_removal.h"
+
+namespace shrinkwrap {
+namespace {
+
+using Openings = CompleteMatchingOptions::Openings;
+
+constexpr Index kGrain = 1 << 14;
+
+// Removes the vertices of the surface, [0, surface_vertices), that are no membrane.
+VertexRemovalReport remove_surface_vertices(SurfaceMesh& mesh, Index surface_vertices,
+                                            const Membranes& membranes, Progress& progress) {
+  const VertexBlocks blocks(mesh.position, progress);
+  progress.set_range(0.55, 0.65);
+  make_delaunay(mesh, blocks, progress);
+  progress.set_range(0.65, 0.9);
+  std::vector<char> is_marked(static_cast<std::size_t>(surface_vertices), 1);
+  for (std::size_t v = 0; v < membranes.is_membrane.size(); ++v)
+    if (membranes.is_membrane[v]) is_marked[v] = 0;
+  return remove_vertices(mesh, blocks, is_marked, progress);
+}
+
+// Samples, which are the last vertex slots, first; then what is left of the others.
+void number_by_samples(SurfaceMesh& mesh, Index samples) {
+  const Index first_sample = mesh.vertex_slots() - samples;
+  std::vector<Index> new_index(mesh.position.size(), kNone);
+  Index extra = samples;
+  for (Index v = 0; v < first_sample; ++v)
+    if (!mesh.is_removed_vertex(v)) new_index[v] = extra++;
+  for (Index i = 0; i < samples; ++i) new_index[first_sample + i] = i;
+  mesh.renumber(new_index);
+}
+
+// Components that hold no sample are debris of the start: no sample is lost with them.
+void drop_components_without_samples(SurfaceMesh& mesh, Index samples) {
+  const MeshComponents components = connected_components(mesh);
+  std::vector<char> has_sample(static_cast<std::size_t>(components.count), 0);
+  for (Index v = 0; v < samples; ++v) has_sample[components.of_vertex[v]] = 1;
+  std::vector<Vec3> position;
+  std::vector<Index> new_index(mesh.position.size(), kNone);
+  for (Index v = 0; v < mesh.vertex_slots(); ++v) {
+    if (!has_sample[components.of_vertex[v]]) continue;
+    new_index[v] = static_cast<Index>(position.size());
+    position.push_back(mesh.position[v]);
+  }
+  if (position.size() == mesh.position.size()) return;
+  std::vector<Triangle> triangles;
+  for (const Triangle& t : mesh.triangles())
+    if (new_index[t[0]] != kNone)
+      triangles.push_back({new_index[t[0]], new_index[t[1]], new_index[t[2]]});
+  mesh = SurfaceMesh::from_triangles(std::move(position), triangles);
+}
+
+// Closes the openings and puts the mesh in order again. Returns the faces that span them,
+// ascending.
+std::vector<Index> close_and_renumber(SurfaceMesh& mesh, Index samples, Progress& progress) {
+  const std::vector<char> spans = close_openings(mesh, samples, progress);
+  // Faces are told apart by their first two corners, which renumbering does not change: samples
+  // keep their index. Of the extra vertices only those that go change places.
+  std::vector<Index> spanning;
+  std::vector<Index> new_index(mesh.position.size(), kNone);
+  Index count = 0;
+  for (Index v = 0; v < mesh.vertex_slots(); ++v)
+    if (!mesh.is_removed_vertex(v)) new_index[v] = count++;
+  std::vector<std::pair<Index, Index>> edges;
+  for (Index f = 0; f < mesh.face_slots(); ++f) {
+    if (!spans[f] || mesh.is_removed_face(f)) continue;
+    const Triangle t = mesh.triangle(f);
+    edges.emplace_back(new_index[t[0]], new_index[t[1]]);
+  }
+  mesh.renumber(new_index);
+  for (const auto& [from, to] : edges)
+    spanning.push_back(SurfaceMesh::face(mesh.find_halfedge(from, to)));
+  std::sort(spanning.begin(), spanning.end());
+  return spanning;
+}
+
+// Vertices from `samples` on that a face holds which is not to be dropped.
+Index extra_vertices_kept(const SurfaceMesh& mesh, Index samples,
+                          const std::vector<Index>& dropped_faces) {
+  std::vector<char> is_kept(static_cast<std::size_t>(mesh.vertex_slots() - samples), 0);
+  for (Index v = samples; v < mesh.vertex_slots(); ++v)
+    mesh.for_each_outgoing(v, [&](Index h) {
+      if (!std::binary_search(dropped_faces.begin(), dropped_faces.end(), SurfaceMesh::face(h)))
+        is_kept[v - samples] = 1;
+    });
+  return static_cast<Index>(std::count(is_kept.begin(), is_kept.end(), 1));
+}
+
+}  // namespace
+
+CompleteMatching retile(SurfaceMesh parametric, const PointCloud& cloud, const VoxelSearch& search,
+                        const CompleteMatchingOptions& options, Progress& progress) {
+  if (parametric.vertex_count() < parametric.vertex_slots()) parametric.compact();
+  const Index samples = cloud.size(), surface_vertices = parametric.vertex_slots();
+  const Index euler_characteristic = parametric.euler_characteristic();
+  CompleteMatching result;
+
+  progress.set_range(0.0, 0.4);
+  SampleFeet feet = find_sample_feet(parametric, cloud, progress);
+  result.report.mean_foot_distance = feet.mean_distance;
+  result.report.max_foot_distance = feet.max_distance;
+  progress.set_range(0.4, 0.45);
+  const Membranes membranes = find_membranes(parametric, feet, cloud, search, options.membrane_low,
+                                             options.membrane_high, progress);
+  result.report.membranes = membranes.count;
+
+  progress.set_range(0.45, 0.55);
+  SurfaceMesh& mesh = result.mesh;
+  mesh = insert_feet(std::move(parametric), feet, progress);
+  feet = SampleFeet();
+  const VertexRemovalReport removal =
+      remove_surface_vertices(mesh, surface_vertices, membranes, progress);
+  result.report.forced_removals = removal.forced;
+  if (mesh.euler_characteristic() != euler_characteristic)
+    throw ReconstructionFailed("re-tiling changed the topology of the surface: nothing was made.");
+
+  progress.set_range(0.9, 0.95);
+  number_by_samples(mesh, samples);
+  parallel_for_each(samples, kGrain, progress,
+                    [&](Index i) { mesh.position[i] = cloud.position[i]; });
+
+  progress.set_range(0.95, 1.0);
+  if (mesh.vertex_count() > samples) drop_components_without_samples(mesh, samples);
+  if (mesh.vertex_count() > samples && membranes.count > 0) {
+    if (options.openings == Openings::close) {
+      result.spanning_faces = close_and_renumber(mesh, samples, progress);
+    } else {
+      result.opening_faces = faces_of_openings(mesh, samples, progress);
+      result.spanning_faces = result.opening_faces;
+    }
+  }
+  result.sample_of_vertex.assign(mesh.position.size(), SampleId::none);
+  for (Index i = 0; i < samples; ++i) result.sample_of_vertex[i] = to_sample(i);
+  result.report.extra_vertices = extra_vertices_kept(mesh, samples, result.opening_faces);
+  return result;
+}
+
+}  // namespace shrinkwrap

@@ -1,0 +1,135 @@
+#include "spanning_forest.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "parallel.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr Index kGrain = 1 << 14;
+constexpr int kBuckets = 1 << 11;
+constexpr Index kUnionsPerUpdate = 1 << 16;
+
+// Union-find in which every element knows its sign against its root (the parity of the path).
+class SignedSets {
+ public:
+  explicit SignedSets(Index count) : link_(static_cast<std::size_t>(count)) {
+    for (Index i = 0; i < count; ++i) link_[i] = static_cast<std::uint32_t>(i) << 1;
+  }
+  // Twice the root of i, plus 1 if i is flipped against it. Halves the path.
+  std::uint32_t find(Index i) {
+    std::uint32_t at = static_cast<std::uint32_t>(i) << 1;
+    for (;;) {
+      const std::uint32_t up = link_[at >> 1];
+      if (up >> 1 == at >> 1) return at;
+      const std::uint32_t further = link_[up >> 1] ^ (up & 1);
+      link_[at >> 1] = further;
+      at = further ^ (at & 1);
+    }
+  }
+  // Joins two sets, given what `find` said of an element of each, so that these two are of one sign
+  // or, if `opposed`, of opposite signs. The lower root stays.
+  void join(std::uint32_t root_a, std::uint32_t root_b, bool opposed) {
+    if (root_a < root_b) std::swap(root_a, root_b);
+    link_[root_a >> 1] = root_b ^ (root_a & 1) ^ static_cast<std::uint32_t>(opposed);
+  }
+
+ private:
+  std::vector<std::uint32_t> link_;  // twice the parent, plus 1 if opposed to it
+};
+
+// The bucket of an edge: the heaviest come first.
+int bucket_of(const PointCloud& cloud, Index a, Index b) {
+  const Vec3f d = (cloud.position[a] - cloud.position[b]).cast<float>();
+  const Vec3f &n = cloud.normal[a], &m = cloud.normal[b];
+  const float length = d.norm();
+  const float across =
+      length > 0.0f ? std::max(std::abs(d.dot(n)), std::abs(d.dot(m))) / length : 0.0f;
+  const float weight = std::abs(n.dot(m)) * (1.0f - across);
+  return std::clamp(static_cast<int>((1.0f - weight) * kBuckets), 0, kBuckets - 1);
+}
+
+struct Edge {
+  Index a, b;
+};
+
+// Each undirected edge once, sorted by bucket, then by index.
+std::vector<Edge> sorted_edges(const PointCloud& cloud, int neighbours, Progress& progress) {
+  const Index count = cloud.size();
+  const auto blocks = static_cast<std::size_t>(block_count(count, kGrain));
+  std::vector<std::vector<Edge>> edges(blocks);
+  std::vector<std::vector<std::uint16_t>> bucket_of_edge(blocks);
+  std::vector<std::array<std::size_t, kBuckets>> offset(blocks);
+  parallel_blocks(count, kGrain, progress, [&](Index block, Index begin, Index end) {
+    auto& histogram = offset[block];
+    histogram.fill(0);
+    const std::size_t expected = static_cast<std::size_t>(end - begin) * neighbours * 2 / 3;
+    edges[block].reserve(expected);
+    bucket_of_edge[block].reserve(expected);
+    for (Index a = begin; a < end; ++a) {
+      const Index* list = cloud.neighbours_of(a);
+      for (int place = 1; place <= neighbours; ++place) {
+        const Index b = list[place];
+        const Index* back = cloud.neighbours_of(b);
+        if (b < a && std::find(back + 1, back + 1 + neighbours, a) != back + 1 + neighbours)
+          continue;  // b has it in its own list
+        const int bucket = bucket_of(cloud, a, b);
+        ++histogram[bucket];
+        edges[block].push_back({a, b});
+        bucket_of_edge[block].push_back(static_cast<std::uint16_t>(bucket));
+      }
+    }
+  });
+  std::size_t sum = 0;
+  for (int bucket = 0; bucket < kBuckets; ++bucket)
+    for (auto& histogram : offset) {
+      const std::size_t in_block = histogram[bucket];
+      histogram[bucket] = sum;
+      sum += in_block;
+    }
+  std::vector<Edge> sorted(sum);
+  parallel_for_each(static_cast<Index>(blocks), 1, progress, [&](Index block) {
+    for (std::size_t e = 0; e < edges[block].size(); ++e)
+      sorted[offset[block][bucket_of_edge[block][e]]++] = edges[block][e];
+    edges[block] = {};
+    bucket_of_edge[block] = {};
+  });
+  return sorted;
+}
+
+}  // namespace
+
+SpanningForest span_normals(const PointCloud& cloud, int neighbours, Progress& progress) {
+  const Index count = cloud.size();
+  neighbours = std::clamp(neighbours, 1, cloud.neighbour_count - 1);
+  const std::vector<Edge> edges = sorted_edges(cloud, neighbours, progress);
+  SignedSets sets(count);
+  Index sets_left = count;
+  for (std::size_t begin = 0; begin < edges.size() && sets_left > 1; begin += kUnionsPerUpdate) {
+    const std::size_t end = std::min(begin + kUnionsPerUpdate, edges.size());
+    for (std::size_t e = begin; e < end; ++e) {
+      const Edge edge = edges[e];
+      const std::uint32_t root_a = sets.find(edge.a), root_b = sets.find(edge.b);
+      if (root_a >> 1 == root_b >> 1) continue;
+      sets.join(root_a, root_b, cloud.normal[edge.a].dot(cloud.normal[edge.b]) < 0.0f);
+      --sets_left;
+    }
+    progress.update(static_cast<double>(end) / static_cast<double>(edges.size()));
+  }
+  SpanningForest forest;
+  forest.component_of_sample.resize(static_cast<std::size_t>(count));
+  forest.flipped.resize(static_cast<std::size_t>(count));
+  for (Index i = 0; i < count; ++i) {
+    const std::uint32_t root = sets.find(i);
+    const Index first = static_cast<Index>(root >> 1);  // the lowest sample of its set
+    forest.flipped[i] = static_cast<char>(root & 1);
+    forest.component_of_sample[i] =
+        first == i ? forest.components++ : forest.component_of_sample[first];
+  }
+  return forest;
+}
+
+}  // namespace shrinkwrap

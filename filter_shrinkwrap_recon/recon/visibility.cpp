@@ -1,0 +1,145 @@
+#include "visibility.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "parallel.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr int kDirectionsAtOnce = 8;       // depth buffers and votes that are held at a time
+constexpr double kPixelsPerSample = 16.0;  // at most
+constexpr float kNothing = -std::numeric_limits<float>::infinity();
+
+// Directions spread evenly over the sphere along a spiral (the golden angle between neighbours).
+Vec3 view_direction(int index, int count) {
+  constexpr double kGoldenAngle = 2.399963229728653;
+  const double z = 1.0 - (2.0 * index + 1.0) / count;
+  const double radius = std::sqrt(std::max(0.0, 1.0 - z * z));
+  return {radius * std::cos(index * kGoldenAngle), radius * std::sin(index * kGoldenAngle), z};
+}
+
+// An orthographic depth buffer looking along -direction; larger depth is nearer to the viewer.
+class DepthBuffer {
+ public:
+  struct Pixel {
+    std::int32_t x, y;
+    float depth;
+  };
+
+  // Projects and draws the points. `pixels` receives where each fell.
+  void draw(const std::vector<Vec3f>& points, const Vec3f& direction, float pixel,
+            std::vector<Pixel>& pixels) {
+    const Vec3f helper = std::abs(direction.x()) < 0.9f ? Vec3f::UnitX() : Vec3f::UnitY();
+    const Vec3f right = helper.cross(direction).normalized();
+    const Vec3f up = direction.cross(right);
+    float low_x = std::numeric_limits<float>::infinity(), low_y = low_x;
+    float high_x = -low_x, high_y = -low_x;
+    for (const Vec3f& p : points) {
+      const float x = p.dot(right), y = p.dot(up);
+      low_x = std::min(low_x, x);
+      high_x = std::max(high_x, x);
+      low_y = std::min(low_y, y);
+      high_y = std::max(high_y, y);
+    }
+    const float per_length = 1.0f / pixel;
+    width_ = static_cast<std::int32_t>((high_x - low_x) * per_length) + 3;
+    const std::int32_t height = static_cast<std::int32_t>((high_y - low_y) * per_length) + 3;
+    depth_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height), kNothing);
+    pixels.resize(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Vec3f& p = points[i];
+      const Pixel at{static_cast<std::int32_t>((p.dot(right) - low_x) * per_length) + 1,
+                     static_cast<std::int32_t>((p.dot(up) - low_y) * per_length) + 1,
+                     p.dot(direction)};
+      pixels[i] = at;
+      for (std::int32_t y = at.y - 1; y <= at.y + 1; ++y) {
+        float* row = depth_.data() + static_cast<std::size_t>(y) * width_ + at.x;
+        for (int x = -1; x <= 1; ++x) row[x] = std::max(row[x], at.depth);
+      }
+    }
+  }
+
+  float foremost(const Pixel& at) const {
+    return depth_[static_cast<std::size_t>(at.y) * width_ + at.x];
+  }
+
+ private:
+  std::int32_t width_ = 0;
+  std::vector<float> depth_;
+};
+
+// The smallest pixel for which no buffer has more than a fixed number of pixels per sample.
+double affordable_pixel(const std::vector<Vec3f>& points, double pixel) {
+  Vec3f low = points[0], high = points[0];
+  for (const Vec3f& p : points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const double diagonal = (high - low).norm();
+  const double pixels = 1e4 + kPixelsPerSample * static_cast<double>(points.size());
+  return std::max({pixel, diagonal / std::sqrt(pixels), 1e-6});
+}
+
+}  // namespace
+
+std::vector<VisibilityVote> visibility_votes(const PointCloud& cloud,
+                                             const std::vector<Index>& drawn,
+                                             const std::vector<Index>& component_of_sample,
+                                             Index components, const VisibilityOptions& options,
+                                             Progress& progress) {
+  std::vector<VisibilityVote> votes(static_cast<std::size_t>(components));
+  if (drawn.empty()) return votes;
+  std::vector<Vec3f> points;
+  points.reserve(drawn.size());
+  for (Index sample : drawn) points.push_back(cloud.position[sample].cast<float>());
+  const float pixel = static_cast<float>(affordable_pixel(points, options.pixel));
+  const float tolerance = static_cast<float>(options.depth_tolerance);
+  const float min_cosine = static_cast<float>(options.min_cosine);
+
+  // One view at a time per block; votes of a batch of views are kept apart and summed in order.
+  struct View {
+    DepthBuffer buffer;
+    std::vector<DepthBuffer::Pixel> pixels;
+    std::vector<float> cosine;  // of each sample drawn: 0 no vote
+    std::vector<char> seen;
+  };
+  std::vector<View> views(kDirectionsAtOnce);
+  Progress silent;
+  for (int first = 0; first < options.directions; first += kDirectionsAtOnce) {
+    const int count = std::min(kDirectionsAtOnce, options.directions - first);
+    parallel_for_each(count, 1, silent, [&](Index v) {
+      View& view = views[v];
+      const Vec3f direction = view_direction(first + v, options.directions).cast<float>();
+      view.buffer.draw(points, direction, pixel, view.pixels);
+      view.cosine.assign(points.size(), 0.0f);
+      view.seen.assign(points.size(), 0);
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        const float cosine = cloud.normal[drawn[i]].dot(direction);
+        const float steepness = std::abs(cosine);
+        if (steepness < min_cosine) continue;
+        // Across the splat, 1.5 pixels to the middle of its diagonal, the surface itself rises.
+        const float slope = std::sqrt(std::max(0.0f, 1.0f - cosine * cosine)) / steepness;
+        const float behind = view.buffer.foremost(view.pixels[i]) - view.pixels[i].depth;
+        view.cosine[i] = cosine;
+        view.seen[i] = behind < 2.1f * slope * pixel + tolerance;
+      }
+    });
+    for (int v = 0; v < count; ++v)
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        VisibilityVote& vote = votes[component_of_sample[drawn[i]]];
+        const double cosine = views[v].cosine[i];
+        vote.possible += std::abs(cosine);
+        if (!views[v].seen[i]) continue;
+        vote.seen += std::abs(cosine);
+        vote.outward += cosine;
+      }
+    progress.update(static_cast<double>(first + count) / options.directions);
+  }
+  return votes;
+}
+
+}  // namespace shrinkwrap

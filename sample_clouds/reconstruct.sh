@@ -1,0 +1,288 @@
+#!/bin/sh
+# Reconstructs point clouds with MeshLab and the Shrink Wrap plugin.
+#
+#   sh sample_clouds/reconstruct.sh [INPUT...] [-o OUTPUT] [-j JOBS] [options]
+#
+# INPUT    point clouds in any format that MeshLab reads, or folders of them; none: the sample clouds
+# -o       one input: the mesh to write, its ending chooses the format; several, or a folder: the folder to write to.
+#          Without: NAME_shrink_wrap.ply beside each input (the sample clouds': in sample_clouds/results)
+# -j       inputs to work on at the same time (1)
+# --paper      the paper's own steps and constants, for clouds of genus 0
+# --surface    stop at the parametric surface, for noisy clouds
+# --leave-open take the faces that span openings of the scan away
+# --threads N  threads for each input (0: all)
+#
+# Does all of its own set-up, quick the second time. Prints the stages and the matching report of each input, and
+# leaves with 1 if any failed.
+set -eu
+
+root=$(cd "$(dirname "$0")/.." && pwd)
+. "$root/cmake/setup.sh"
+
+usage() { sed -n '2,/^set -eu/s/^# \{0,1\}//p' "$0"; }
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+trap 'exit 130' HUP INT TERM
+
+# --- arguments -----------------------------------------------------------------------------------------------------
+output='' jobs=1
+value_of() { # option, number of arguments left, value
+  [ "$2" -gt 0 ] || die "$1 needs a value"
+}
+edit_parameter() { # name, value
+  printf '/name="%s"/s/ value="[^"]*"/ value="%s"/\n' "$1" "$2" >>"$work/edits.sed"
+}
+whole_number() {
+  case $2 in '' | *[!0-9]*) die "$1 needs a whole number, not '$2'" ;; esac
+}
+
+left=$#
+while [ "$left" -gt 0 ]; do
+  argument=$1
+  shift
+  left=$((left - 1))
+  case $argument in
+    -o | -j | --threads)
+      value_of "$argument" "$left"
+      value=$1
+      shift
+      left=$((left - 1))
+      case $argument in
+        -o)
+          [ -n "$value" ] || die "-o needs a name"
+          output=$value
+          ;;
+        -j)
+          whole_number -j "$value"
+          [ "$value" -gt 0 ] || die "-j needs 1 or more"
+          jobs=$value
+          ;;
+        --threads)
+          whole_number --threads "$value"
+          edit_parameter Threads "$value"
+          ;;
+      esac
+      ;;
+    --paper) edit_parameter Method 1 ;;
+    --surface) edit_parameter StopAtParametricSurface true ;;
+    --leave-open) edit_parameter Openings 1 ;;
+    -h | --help)
+      usage
+      exit 0
+      ;;
+    --)
+      while [ "$left" -gt 0 ]; do
+        set -- "$@" "$1"
+        shift
+        left=$((left - 1))
+      done
+      ;;
+    -*) die "unknown option $argument (see --help)" ;;
+    *) set -- "$@" "$argument" ;;
+  esac
+done
+
+# --- inputs: folders become the clouds in them -----------------------------------------------------------------------
+results=''
+if [ $# -eq 0 ]; then
+  set -- "$root/sample_clouds"
+  results=$root/sample_clouds/results
+fi
+several=''
+[ $# -eq 1 ] || several=yes
+left=$#
+while [ "$left" -gt 0 ]; do
+  argument=$1
+  shift
+  left=$((left - 1))
+  if [ ! -d "$argument" ]; then
+    set -- "$@" "$argument"
+    continue
+  fi
+  several=yes
+  found=''
+  for file in "${argument%/}"/*; do
+    case $(printf %s "${file##*.}" | tr '[:upper:]' '[:lower:]') in
+      ply | obj | off | stl | xyz | pts | asc | ptx)
+        case $file in *_shrink_wrap.*) continue ;; esac
+        if [ -f "$file" ]; then
+          set -- "$@" "$file"
+          found=yes
+        fi
+        ;;
+    esac
+  done
+  [ -n "$found" ] || die "no point clouds in the folder $argument"
+done
+if [ -n "$output" ] && { [ -n "$several" ] || [ -d "$output" ]; }; then
+  results=$output
+  output=
+fi
+[ -z "$results" ] || mkdir -p "$results"
+
+# --- set-up --------------------------------------------------------------------------------------------------------
+# shellcheck disable=SC2086  # a list of words
+require_packages $host_packages
+if [ -f "$build/CMakeCache.txt" ]; then
+  configure "$build" -DSHRINKWRAP_BUILD_PLUGIN=ON
+else
+  configure "$build" -DSHRINKWRAP_BUILD_PLUGIN=ON -DSHRINKWRAP_BUILD_TESTS=OFF
+fi
+compile "$build" filter_shrinkwrap_recon
+
+touch "$work/edits.sed"
+sed -f "$work/edits.sed" "$root/sample_clouds/reconstruct.mlx" >"$work/script.mlx"
+
+# --- one input -------------------------------------------------------------------------------------------------------
+target_of() { # input
+  if [ -n "$output" ]; then
+    printf '%s\n' "$output"
+    return
+  fi
+  name=${1##*/}
+  folder=$results
+  if [ -z "$folder" ]; then
+    case $1 in */*) folder=${1%/*} ;; *) folder=. ;; esac
+  fi
+  printf '%s\n' "${folder:-}/${name%.*}_shrink_wrap.ply"
+}
+
+# What the points carry beside coordinates, so that the mesh is saved with it; PLY tells.
+saving_options() { # input
+  case $1 in *.[Pp][Ll][Yy]) ;; *) return 0 ;; esac
+  header=$(LC_ALL=C sed -n -e '1,200{/^property /p' -e '/^end_header/q' -e '}' "$1" 2>/dev/null | tr -d '\000')
+  options=''
+  case $header in *" red"*) options="$options vc" ;; esac
+  case $header in *" quality"*) options="$options vq" ;; esac
+  [ -z "$options" ] || printf '%s\n' "-m$options"
+}
+
+# reconstruct INPUT TARGET FOLDER: writes TARGET only if all went well; FOLDER gets `log`, and `status`, one line.
+reconstruct() {
+  input=$1 target=$2 job=$3
+  give_up() {
+    printf 'failed: %s\n' "$*" >"$job/status"
+    return 1
+  }
+  [ -e "$input" ] || { give_up "there is no such file"; return; }
+  [ -r "$input" ] || { give_up "it cannot be read"; return; }
+  [ -s "$input" ] || { give_up "the file is empty"; return; }
+  case ${input##*/} in *?.?*) ;; *) give_up "its name has no ending that tells the format"; return ;; esac
+  case ${target##*/} in *?.?*) ;; *) give_up "$target has no ending that tells the format"; return ;; esac
+  target_folder=.
+  case $target in */*) target_folder=${target%/*} ;; esac
+  [ -d "${target_folder:-/}" ] || { give_up "there is no folder $target_folder"; return; }
+  [ -w "${target_folder:-/}" ] || { give_up "the folder $target_folder cannot be written to"; return; }
+  # shellcheck disable=SC3013  # -ef: every shell has it
+  if [ -e "$target" ] && [ "$target" -ef "$input" ]; then
+    give_up "the mesh would overwrite the cloud"
+    return
+  fi
+
+  # What an earlier run left must not pass for the result of this one.
+  rm -f "$target"
+
+  # The host meets plain names only: it does not cope with every character, and not in every locale.
+  link="$job/cloud.$(printf %s "${input##*.}" | tr '[:upper:]' '[:lower:]')"
+  mesh="$job/mesh.$(printf %s "${target##*.}" | tr '[:upper:]' '[:lower:]')"
+  case $input in /*) ln -s "$input" "$link" ;; *) ln -s "$PWD/$input" "$link" ;; esac
+
+  code=0
+  # shellcheck disable=SC2046  # options are words
+  (cd "$job" && HOME=$work xvfb-run -a "$build/stage/bin/meshlabserver" -l "$job/host.log" -i "$link" -o "$mesh" \
+    $(saving_options "$input") -s "$work/script.mlx") >"$job/host.out" 2>&1 || code=$?
+  touch "$job/host.log"
+  # The filter's lines: after its name, to what the host says next.
+  sed -n -e '1,/^.*filter: /d' -e '/^Mesh .* saved as /q' -e '/^Problem with filter/q' -e '/^Output mesh /q' \
+    -e '/^Failed saving/q' -e p "$job/host.log" >"$job/log"
+
+  reason=$(sed -n 's/^Shrink Wrap failed: //p' "$job/log" | tail -n 1)
+  verdict=$(sed -n 's/^Shrink Wrap succeeded: //p' "$job/log" | tail -n 1)
+  if [ -n "$reason" ]; then
+    give_up "$reason"
+  elif [ "$code" -ge 128 ]; then
+    give_up "MeshLab crashed (signal $((code - 128)))"
+  elif grep -q "not possible to import mesh" "$job/host.log"; then
+    give_up "MeshLab cannot read it: is it a point cloud, whole, and in the format that its ending tells?"
+  elif [ "$code" -ne 0 ] || [ -z "$verdict" ]; then
+    give_up "MeshLab failed (exit $code): $(tail -n 1 "$job/host.log")"
+  elif [ ! -s "$mesh" ]; then
+    give_up "MeshLab did not write the mesh: can it write the format .${target##*.}?"
+  else
+    # Beside the target first, so that a name never stands for half a file.
+    beside=$(mktemp "${target_folder:-/}/.shrink_wrap.XXXXXX") || { give_up "$target_folder cannot be written to"; return; }
+    if cp "$mesh" "$beside" && chmod "$(printf %o $((0666 & ~$(umask))))" "$beside" && mv -f "$beside" "$target"; then
+      printf 'done: %s\n' "$verdict" >"$job/status"
+    else
+      rm -f "$beside"
+      give_up "the mesh could not be written to $target"
+    fi
+  fi
+}
+
+# --- all of them, at most $jobs at once, told in order ---------------------------------------------------------------
+show() { # number of the input
+  job=$work/$1
+  input=$(cat "$job/input")
+  status=$(cat "$job/status" 2>/dev/null) || status="failed: interrupted"
+  printf '\n%s\n' "$input"
+  if [ -f "$job/log" ]; then grep -v '^Shrink Wrap ' "$job/log" | sed 's/^/  /' || :; fi
+  case $status in
+    done:*) printf '  -> %s\n     %s\n' "$(cat "$job/target")" "${status#done: }" ;;
+    *)
+      failures=$((failures + 1))
+      printf '  FAILED: %s\n' "${status#failed: }" >&2
+      ;;
+  esac
+}
+
+total=$# number=0 shown=0 failures=0 running=''
+for input in "$@"; do
+  number=$((number + 1))
+  job=$work/$number
+  mkdir "$job"
+  target=$(target_of "$input"; echo .)
+  target=${target%??}
+  printf '%s' "$input" >"$job/input"
+  printf '%s' "$target" >"$job/target"
+  same=$(grep -lFx -- "$target" "$work"/[0-9]*/target 2>/dev/null | grep -cv "/$number/target\$" || :)
+  if [ "$same" -gt 0 ]; then
+    echo "failed: another input is written to the same name, $target" >"$job/status"
+  else
+    (
+      started=$(date +%s)
+      reconstruct "$input" "$target" "$job" || :
+      echo $(($(date +%s) - started)) >"$job/seconds"
+    ) &
+    running="$running $!:$number"
+  fi
+  while [ "$(printf %s "$running" | wc -w)" -ge "$jobs" ] || { [ "$number" -eq "$total" ] && [ -n "$running" ]; }; do
+    first=${running# }
+    first=${first%% *}
+    wait "${first%%:*}" || :
+    running=${running#" $first"}
+    while [ "$shown" -lt "${first##*:}" ]; do
+      shown=$((shown + 1))
+      show "$shown"
+    done
+  done
+done
+while [ "$shown" -lt "$total" ]; do
+  shown=$((shown + 1))
+  show "$shown"
+done
+
+# --- summary -----------------------------------------------------------------------------------------------------------
+if [ "$total" -gt 1 ]; then
+  printf '\n%-40s %8s  %s\n' input seconds result
+  number=0
+  while [ "$number" -lt "$total" ]; do
+    number=$((number + 1))
+    job=$work/$number
+    input=$(cat "$job/input")
+    printf '%-40s %8s  %s\n' "${input##*/}" "$(cat "$job/seconds" 2>/dev/null)" "$(cat "$job/status" 2>/dev/null)"
+  done
+  printf '\n%d of %d reconstructed\n' $((total - failures)) "$total"
+fi
+[ "$failures" -eq 0 ]

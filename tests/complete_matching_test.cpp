@@ -1,0 +1,392 @@
+// Complete matching by re-tiling: every sample a vertex, every vertex a sample, on a mesh that
+// stays a closed 2-manifold whatever the samples.
+#include "complete_matching.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <map>
+
+#include "close_openings.h"
+#include "expect_mesh.h"
+#include "membranes.h"
+#include "orientation.h"
+#include "self_intersection.h"
+#include "shapes.h"
+
+namespace shrinkwrap {
+namespace {
+
+using testing::expect_closed_manifold;
+using testing::expect_complete_matching;
+using testing::expect_same_mesh;
+using testing::Random;
+using testing::ShapeKind;
+using Openings = CompleteMatchingOptions::Openings;
+
+PointCloud cloud_of(const std::vector<Vec3>& points) {
+  Progress silent;
+  PointCloud cloud = prepare_samples(points, {}, silent);
+  orient_normals(cloud, {}, silent);
+  return cloud;
+}
+
+// The mesh in the frame of the cloud, in canonical order: as the stage before would hand it over.
+SurfaceMesh surface_for(const PointCloud& cloud, SurfaceMesh mesh) {
+  for (Vec3& p : mesh.position) p = cloud.frame.to_unit(p);
+  mesh.compact();
+  return mesh;
+}
+
+// The radial projection of an icosphere onto a shape that its centre sees all of.
+SurfaceMesh star_shaped(ShapeKind kind, int subdivisions) {
+  const testing::Shape shape = testing::shape_of(kind);
+  SurfaceMesh mesh = testing::icosphere(subdivisions);
+  for (Vec3& p : mesh.position) {
+    double inside = 0.0, outside = 2.0;
+    for (int i = 0; i < 50; ++i) {
+      const double middle = 0.5 * (inside + outside);
+      (shape.implicit(middle * p) < 0.0 ? inside : outside) = middle;
+    }
+    p *= inside;
+  }
+  return mesh;
+}
+
+CompleteMatching match(const PointCloud& cloud, const SurfaceMesh& surface,
+                       const CompleteMatchingOptions& options = {}) {
+  Progress silent;
+  return match_samples(surface_for(cloud, surface), cloud, VoxelSearch(cloud.position), options,
+                       silent);
+}
+
+Index self_intersecting_faces(const SurfaceMesh& mesh) {
+  Progress silent;
+  return static_cast<Index>(
+      intersecting_faces(self_intersections(mesh.position, mesh.triangles(), silent)).size());
+}
+
+struct Case {
+  const char* name;
+  ShapeKind kind;
+  Index samples;
+  int subdivisions;  // of the surface: from a hundredth to four times the vertices
+};
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.name;
+}
+
+class Retiling : public ::testing::TestWithParam<Case> {};
+
+TEST_P(Retiling, MakesEverySampleAVertex) {
+  const auto [name, kind, samples, subdivisions] = GetParam();
+  const testing::Shape shape = testing::shape_of(kind);
+  for (const unsigned seed : {1u, 2u}) {
+    SCOPED_TRACE(seed);
+    const PointCloud cloud = cloud_of(testing::sample_shape(kind, samples, seed));
+    const SurfaceMesh surface = kind == ShapeKind::torus
+                                    ? testing::torus_mesh(12 << subdivisions, 4 << subdivisions)
+                                    : star_shaped(kind, subdivisions);
+    const CompleteMatching matching = match(cloud, surface);
+    expect_closed_manifold(matching.mesh, shape.components, shape.genus);
+    expect_complete_matching(matching, cloud);
+    EXPECT_EQ(matching.report.extra_vertices, 0);
+    EXPECT_EQ(matching.report.membranes, 0);
+    EXPECT_EQ(matching.mesh.vertex_count(), cloud.size());
+    EXPECT_GT(testing::signed_volume(matching.mesh), 0.0);
+    for (Index i = 0; i < cloud.size(); ++i) ASSERT_EQ(matching.sample_of_vertex[i], to_sample(i));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, Retiling,
+                         ::testing::Values(Case{"sphere", ShapeKind::sphere, 3000, 4},
+                                           Case{"sphere_in_few_faces", ShapeKind::sphere, 3000, 1},
+                                           Case{"sphere_in_many_faces", ShapeKind::sphere, 600, 4},
+                                           Case{"four_samples", ShapeKind::sphere, 4, 2},
+                                           Case{"torus", ShapeKind::torus, 3000, 3},
+                                           Case{"torus_in_few_faces", ShapeKind::torus, 3000, 1},
+                                           Case{"box", ShapeKind::box, 3000, 4},
+                                           Case{"blob", ShapeKind::blob, 3000, 4}),
+                         [](const auto& instance) { return std::string(instance.param.name); });
+
+TEST(Retiling, FollowsTheShape) {
+  const PointCloud cloud = cloud_of(testing::sample_shape_blue_noise(ShapeKind::blob, 4000, 3));
+  const CompleteMatching matching = match(cloud, star_shaped(ShapeKind::blob, 5));
+  EXPECT_EQ(self_intersecting_faces(matching.mesh), 0);
+  EXPECT_EQ(matching.report.forced_removals, 0);
+  EXPECT_LT(matching.report.max_foot_distance, 0.5);
+  EXPECT_GT(
+      testing::normal_consistency(matching.mesh, testing::shape_of(ShapeKind::blob), cloud.frame),
+      0.99);
+}
+
+TEST(Retiling, TellsTheSidesOfAThinPlateApart) {
+  // The samples of either side are nearer to the other side of a surface that lies a little off.
+  const testing::Shape plate = testing::shape_of(ShapeKind::thin_plate);
+  const PointCloud cloud = cloud_of(testing::sample_shape_blue_noise(plate.kind, 6000, 4));
+  SurfaceMesh surface = star_shaped(ShapeKind::box, 5);
+  const SurfaceMesh target = star_shaped(plate.kind, 5);
+  surface.position = target.position;
+  for (Vec3& p : surface.position)
+    p += 0.05 * plate.normal(p).cwiseAbs().maxCoeff() * Vec3(0, 0, 1);
+  const CompleteMatching matching = match(cloud, surface);
+  expect_closed_manifold(matching.mesh, 1, 0);
+  expect_complete_matching(matching, cloud);
+  EXPECT_GT(testing::normal_consistency(matching.mesh, plate, cloud.frame), 0.8);
+}
+
+TEST(Retiling, SurvivesFeetThatCoincide) {
+  // Samples beyond a corner of a tetrahedron: the foot of most of them is the corner itself.
+  Random random(5);
+  std::vector<Vec3> points = {Vec3(0, 0, 0), Vec3(4, 0, 0), Vec3(0, 4, 0), Vec3(0, 0, 4)};
+  for (int i = 0; i < 1500; ++i) points.push_back(Vec3(0, 0, 5) + 0.5 * random.in_cube());
+  const PointCloud cloud = cloud_of(points);
+  const SurfaceMesh tetrahedron = SurfaceMesh::from_triangles(
+      {Vec3(0, 0, 0), Vec3(4, 0, 0), Vec3(0, 4, 0), Vec3(0, 0, 4)},
+      {Triangle{0, 2, 1}, Triangle{0, 1, 3}, Triangle{1, 2, 3}, Triangle{0, 3, 2}});
+  const CompleteMatching matching = match(cloud, tetrahedron);
+  expect_closed_manifold(matching.mesh, 1, 0);
+  expect_complete_matching(matching, cloud);
+}
+
+TEST(Retiling, SurvivesSamplesAtCornersAndOnEdges) {
+  const SurfaceMesh surface = testing::icosphere(3);
+  std::vector<Vec3> points = surface.position;
+  for (Index h = 0; h < surface.halfedge_slots(); ++h)
+    if (h < surface.twin(h) && h % 2 == 0)
+      points.push_back(0.5 *
+                       (surface.position[surface.origin(h)] + surface.position[surface.target(h)]));
+  const PointCloud cloud = cloud_of(points);
+  const CompleteMatching matching = match(cloud, surface);
+  expect_closed_manifold(matching.mesh, 1, 0);
+  expect_complete_matching(matching, cloud);
+  EXPECT_EQ(matching.report.extra_vertices, 0);
+}
+
+TEST(Retiling, SurvivesUnevenDensity) {
+  Random random(6);
+  std::vector<Vec3> points = testing::sample_shape(ShapeKind::sphere, 300, 6);
+  for (int i = 0; i < 4000; ++i)  // a scan line and a spot
+    points.push_back(Vec3(1, 0.001 * i, 0.3).normalized());
+  for (int i = 0; i < 4000; ++i)
+    points.push_back((Vec3(0, 0, 1) + 0.02 * random.in_cube()).normalized());
+  const PointCloud cloud = cloud_of(points);
+  CompleteMatchingOptions options;
+  options.membrane_low = options.membrane_high = 1e9;  // spacing says nothing here
+  const CompleteMatching matching = match(cloud, testing::icosphere(2), options);
+  expect_closed_manifold(matching.mesh, 1, 0);
+  expect_complete_matching(matching, cloud);
+  EXPECT_EQ(matching.report.extra_vertices, 0);
+}
+
+TEST(Retiling, SurvivesADegenerateSurface) {
+  const PointCloud cloud = cloud_of(testing::sample_shape(ShapeKind::sphere, 500, 7));
+  SurfaceMesh surface = testing::icosphere(2);
+  Random random(7);
+  for (int i = 0; i < 60; ++i)
+    surface.position[random.below(surface.vertex_slots())] =
+        surface.position[random.below(surface.vertex_slots())];
+  CompleteMatching matching = match(cloud, surface);
+  expect_closed_manifold(matching.mesh, 1, 0);
+  expect_complete_matching(matching, cloud);
+
+  for (Vec3& p : surface.position) p = Vec3(0.1, 0.2, 0.3);  // a point
+  CompleteMatchingOptions options;
+  options.membrane_low = options.membrane_high = 1e9;
+  matching = match(cloud, surface, options);
+  expect_closed_manifold(matching.mesh, 1, 0);
+  expect_complete_matching(matching, cloud);
+}
+
+TEST(Retiling, KeepsVerticesWithoutWhichThereIsNoManifold) {
+  // Two spheres; a few samples on the second, or none. Fewer than four cannot make a closed mesh.
+  for (const Index others : {0, 1, 2, 3, 4, 5}) {
+    SCOPED_TRACE(others);
+    std::vector<Vec3> points = testing::sample_shape(ShapeKind::sphere, 500, 8);
+    const std::vector<Vec3> second = testing::sample_shape(ShapeKind::sphere, 50, 9);
+    for (Index i = 0; i < others; ++i) points.push_back(second[i] + Vec3(5, 0, 0));
+    const PointCloud cloud = cloud_of(points);
+    SurfaceMesh one = testing::icosphere(2);
+    std::vector<Vec3> positions = one.position;
+    std::vector<Triangle> triangles = one.triangles();
+    for (const Vec3& p : one.position) positions.push_back(p + Vec3(5, 0, 0));
+    for (Triangle t : one.triangles()) {
+      for (Index& v : t) v += one.vertex_slots();
+      triangles.push_back(t);
+    }
+    CompleteMatchingOptions options;
+    options.membrane_low = options.membrane_high = 1e9;
+    const CompleteMatching matching =
+        match(cloud, SurfaceMesh::from_triangles(positions, triangles), options);
+    expect_closed_manifold(matching.mesh, others == 0 ? 1 : 2, 0);
+    expect_complete_matching(matching, cloud);
+    EXPECT_EQ(matching.report.extra_vertices, others == 0 ? 0 : std::max(0, 4 - others));
+  }
+}
+
+TEST(Retiling, DoesNotDependOnThreads) {
+  const PointCloud cloud = cloud_of(testing::sample_shape(ShapeKind::blob, 20000, 10));
+  const SurfaceMesh surface = star_shaped(ShapeKind::blob, 5);
+  CompleteMatching one, two;
+  {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+    one = match(cloud, surface);
+  }
+  {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 4);
+    two = match(cloud, surface);
+  }
+  expect_same_mesh(one.mesh, two.mesh);
+  expect_complete_matching(one, cloud);
+}
+
+TEST(Retiling, CanBeCancelled) {
+  const PointCloud cloud = cloud_of(testing::sample_shape(ShapeKind::sphere, 2000, 11));
+  Progress cancelled([](double, const char*) { return false; }, {Stage::complete_matching});
+  EXPECT_THROW(match_samples(surface_for(cloud, testing::icosphere(4)), cloud,
+                             VoxelSearch(cloud.position), {}, cancelled),
+               Cancelled);
+}
+
+TEST(Retiling, RefusesASurfaceWithoutFaces) {
+  const PointCloud cloud = cloud_of(testing::sample_shape(ShapeKind::sphere, 100, 12));
+  Progress silent;
+  EXPECT_THROW(match_samples(SurfaceMesh(), cloud, VoxelSearch(cloud.position), {}, silent),
+               InvalidInput);
+}
+
+// Half a sphere of samples, and the whole sphere as the surface.
+class Hemisphere : public ::testing::Test {
+ protected:
+  CompleteMatching match_with(Openings openings) {
+    CompleteMatchingOptions options;
+    options.openings = openings;
+    return match(cloud_, testing::icosphere(4), options);
+  }
+  PointCloud cloud_ = cloud_of(testing::sample_shape_blue_noise(ShapeKind::hemisphere, 1500, 13));
+};
+
+TEST_F(Hemisphere, IsClosedByItsSamplesAlone) {
+  const CompleteMatching matching = match_with(Openings::close);
+  expect_closed_manifold(matching.mesh, 1, 0);
+  expect_complete_matching(matching, cloud_);
+  EXPECT_EQ(matching.report.membranes, 1);
+  EXPECT_EQ(matching.report.extra_vertices, 0);
+  EXPECT_TRUE(matching.opening_faces.empty());
+  EXPECT_FALSE(matching.spanning_faces.empty());
+  EXPECT_EQ(self_intersecting_faces(matching.mesh), 0);
+}
+
+TEST_F(Hemisphere, IsLeftOpenWithACleanBorder) {
+  const CompleteMatching matching = match_with(Openings::leave_open);
+  expect_closed_manifold(matching.mesh, 1, 0);
+  EXPECT_FALSE(matching.opening_faces.empty());
+  EXPECT_TRUE(std::is_sorted(matching.opening_faces.begin(), matching.opening_faces.end()));
+  std::vector<char> is_dropped(static_cast<std::size_t>(matching.mesh.face_slots()), 0);
+  for (const Index f : matching.opening_faces) is_dropped[f] = 1;
+  std::vector<Index> faces(static_cast<std::size_t>(cloud_.size()), 0);
+  Index border = 0, extra = 0;
+  for (Index h = 0; h < matching.mesh.halfedge_slots(); ++h) {
+    if (is_dropped[SurfaceMesh::face(h)]) continue;
+    border += is_dropped[SurfaceMesh::face(matching.mesh.twin(h))];
+    const Index v = matching.mesh.origin(h);
+    if (matching.sample_of_vertex[v] == SampleId::none)
+      ++extra;
+    else
+      ++faces[to_index(matching.sample_of_vertex[v])];
+  }
+  EXPECT_EQ(std::count(faces.begin(), faces.end(), 0), 0) << "samples without a face";
+  EXPECT_GT(border, 30);
+  EXPECT_EQ(extra, 0);
+  EXPECT_EQ(matching.report.extra_vertices, 0);
+}
+
+// A sphere of which a part of the vertices, drawn at random, are no samples.
+SurfaceMesh sphere_with_extra_vertices(double part, unsigned seed, Index& first_extra) {
+  SurfaceMesh mesh = testing::icosphere(3);
+  Random random(seed);
+  std::vector<char> is_extra(mesh.position.size());
+  for (char& extra : is_extra) extra = random.uniform() < part;
+  std::vector<Index> new_index(mesh.position.size());
+  Index count = 0;
+  for (std::size_t v = 0; v < is_extra.size(); ++v)
+    if (!is_extra[v]) new_index[v] = count++;
+  first_extra = count;
+  for (std::size_t v = 0; v < is_extra.size(); ++v)
+    if (is_extra[v]) new_index[v] = count++;
+  mesh.renumber(new_index);
+  return mesh;
+}
+
+TEST(Openings, HaveBordersWithoutPinchesAndLoseNoSample) {
+  for (const double part : {0.02, 0.1, 0.3, 0.6, 0.9})
+    for (const unsigned seed : {1u, 2u, 3u}) {
+      SCOPED_TRACE(::testing::Message() << "part " << part << ", seed " << seed);
+      Index first_extra = 0;
+      const SurfaceMesh mesh = sphere_with_extra_vertices(part, seed, first_extra);
+      Progress silent;
+      const std::vector<Index> dropped = faces_of_openings(mesh, first_extra, silent);
+      std::vector<char> stays(static_cast<std::size_t>(mesh.face_slots()), 1);
+      for (const Index f : dropped) stays[f] = 0;
+      for (Index v = 0; v < mesh.vertex_slots(); ++v) {
+        Index fans = 0, faces = 0;
+        mesh.for_each_outgoing(v, [&](Index h) {
+          faces += stays[SurfaceMesh::face(h)];
+          fans += stays[SurfaceMesh::face(h)] && !stays[SurfaceMesh::face(mesh.twin(h))];
+        });
+        EXPECT_LE(fans, 1) << "vertex " << v;
+        if (v < first_extra) {
+          EXPECT_GT(faces, 0) << "sample " << v;
+        }
+      }
+      if (part < 0.05) {
+        EXPECT_GT(dropped.size(), 0u);
+      }
+    }
+}
+
+TEST(Openings, AreClosedWithoutCuttingAnything) {
+  for (const double part : {0.05, 0.3, 0.6})
+    for (const unsigned seed : {1u, 2u, 3u}) {
+      SCOPED_TRACE(::testing::Message() << "part " << part << ", seed " << seed);
+      Index first_extra = 0;
+      SurfaceMesh mesh = sphere_with_extra_vertices(part, seed, first_extra);
+      Progress silent;
+      const std::vector<char> spans = close_openings(mesh, first_extra, silent);
+      ASSERT_EQ(static_cast<Index>(spans.size()), mesh.face_slots());
+      EXPECT_EQ(mesh.vertex_count(), first_extra);
+      mesh.compact();
+      expect_closed_manifold(mesh, 1, 0);
+      EXPECT_EQ(self_intersecting_faces(mesh), 0);
+    }
+}
+
+TEST(Openings, KeepAnExtraVertexThatCannotGo) {
+  // An icosahedron, its last corner extra, and a needle inside that stands below that corner: any
+  // face between the neighbours of the corner would cut the needle.
+  SurfaceMesh icosahedron = testing::icosphere(0);
+  const Vec3 tip = icosahedron.position.back(), across = tip.unitOrthogonal() * 0.01;
+  std::vector<Vec3> positions = {0.9 * tip, -0.5 * tip, -0.5 * tip + across,
+                                 -0.5 * tip + tip.cross(across)};
+  std::vector<Triangle> triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  positions.insert(positions.end(), icosahedron.position.begin(), icosahedron.position.end());
+  for (Triangle t : icosahedron.triangles()) {
+    for (Index& v : t) v += 4;
+    triangles.push_back(t);
+  }
+  SurfaceMesh mesh = SurfaceMesh::from_triangles(positions, triangles);
+  Progress silent;
+  close_openings(mesh, mesh.vertex_slots() - 1, silent);
+  EXPECT_EQ(mesh.vertex_count(), mesh.vertex_slots());
+  expect_closed_manifold(mesh, 2, 0);
+  EXPECT_EQ(self_intersecting_faces(mesh), 0);
+
+  // Without the needle it goes.
+  const Index last = icosahedron.vertex_slots() - 1;
+  close_openings(icosahedron, last, silent);
+  EXPECT_TRUE(icosahedron.is_removed_vertex(last));
+}
+
+}  // namespace
+}  // namespace shrinkwrap

@@ -1,0 +1,229 @@
+// Edge optimisation: creases are followed, planes and well-shaped triangles are left alone, nothing
+// else changes.
+#include "edge_optimisation.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "expect_mesh.h"
+#include "shapes.h"
+
+namespace shrinkwrap {
+namespace {
+
+using testing::expect_closed_manifold;
+using testing::expect_same_mesh;
+using testing::Random;
+using Criterion = EdgeOptimisationOptions::Criterion;
+
+// The surface of the cube [-1, 1]^3 as a grid of n x n squares a side, each cut along a diagonal
+// chosen at random.
+SurfaceMesh cube(int n, Random& random) {
+  std::map<std::array<int, 3>, Index> index;
+  std::vector<Vec3> positions;
+  std::vector<Triangle> triangles;
+  const auto vertex = [&](int axis, int side, int i, int j) {
+    std::array<int, 3> key;
+    key[axis] = side * n;
+    key[(axis + 1) % 3] = i;
+    key[(axis + 2) % 3] = j;
+    const auto [found, is_new] = index.emplace(key, static_cast<Index>(positions.size()));
+    if (is_new) positions.push_back(Vec3(key[0], key[1], key[2]) * (2.0 / n) - Vec3::Ones());
+    return found->second;
+  };
+  for (int axis = 0; axis < 3; ++axis)
+    for (int side = 0; side < 2; ++side)
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+          Index a = vertex(axis, side, i, j), b = vertex(axis, side, i + 1, j),
+                c = vertex(axis, side, i + 1, j + 1), d = vertex(axis, side, i, j + 1);
+          if (side == 0) std::swap(b, d);
+          if (random.below(2) == 0) {
+            triangles.push_back({a, b, c});
+            triangles.push_back({a, c, d});
+          } else {
+            triangles.push_back({b, c, d});
+            triangles.push_back({b, d, a});
+          }
+        }
+  return SurfaceMesh::from_triangles(std::move(positions), triangles);
+}
+
+bool lies_in_one_side(const SurfaceMesh& mesh, Index f) {
+  const Triangle t = mesh.triangle(f);
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double side : {-1.0, 1.0})
+      if (std::all_of(t.begin(), t.end(), [&](Index v) { return mesh.position[v][axis] == side; }))
+        return true;
+  return false;
+}
+
+// Flips edges of the cube at random, no two of them close together: each cuts a corner off.
+Index cut_corners(SurfaceMesh& mesh, Random& random) {
+  Index flips = 0;
+  std::vector<char> is_near(mesh.position.size(), 0);
+  for (Index h = 0; h < mesh.halfedge_slots(); ++h) {
+    const Vec3 m = mesh.area_vector(SurfaceMesh::face(h)).normalized(),
+               n = mesh.area_vector(SurfaceMesh::face(mesh.twin(h))).normalized();
+    const std::array<Index, 4> corners = {mesh.origin(h), mesh.target(h), mesh.opposite(h),
+                                          mesh.opposite(mesh.twin(h))};
+    if (m.dot(n) > 0.1 || random.below(2) == 0 || !mesh.is_flip_legal(h) ||
+        std::any_of(corners.begin(), corners.end(), [&](Index v) { return is_near[v] != 0; }))
+      continue;
+    mesh.flip(h);
+    ++flips;
+    for (const Index v : corners)
+      mesh.for_each_outgoing(v, [&](Index g) { is_near[mesh.target(g)] = 1; });
+  }
+  return flips;
+}
+
+double median_smallest_angle(const SurfaceMesh& mesh) {
+  std::vector<double> angles;
+  for (const Triangle& t : mesh.triangles()) {
+    double smallest = 4.0;
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 u = mesh.position[t[(i + 1) % 3]] - mesh.position[t[i]],
+                 v = mesh.position[t[(i + 2) % 3]] - mesh.position[t[i]];
+      smallest = std::min(smallest, std::atan2(u.cross(v).norm(), u.dot(v)));
+    }
+    angles.push_back(smallest);
+  }
+  std::nth_element(angles.begin(), angles.begin() + angles.size() / 2, angles.end());
+  return angles[angles.size() / 2];
+}
+
+class EdgeOptimisation : public ::testing::TestWithParam<Criterion> {
+ protected:
+  EdgeOptimisationOptions options_;
+  Progress progress_;
+  void SetUp() override { options_.criterion = GetParam(); }
+};
+
+TEST_P(EdgeOptimisation, KeepsVerticesAndTopology) {
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    SurfaceMesh mesh = testing::torus_mesh(40, 16);
+    for (Vec3& p : mesh.position) p += 0.01 * random.in_cube();
+    const std::vector<Vec3> before = mesh.position;
+    const EdgeOptimisationReport report = optimise_edges(mesh, options_, progress_);
+    EXPECT_GT(report.flips, 0);
+    EXPECT_EQ(mesh.position, before);
+    expect_closed_manifold(mesh, 1, 1);
+  }
+}
+
+TEST_P(EdgeOptimisation, LeavesFixedFacesAlone) {
+  Random random(4);
+  SurfaceMesh mesh = testing::torus_mesh(40, 16);
+  for (Vec3& p : mesh.position) p += 0.02 * random.in_cube();
+  const std::vector<Triangle> before = mesh.triangles();
+  std::vector<Index> fixed;
+  for (Index f = 0; f < mesh.face_slots(); f += 3) fixed.push_back(f);
+  EXPECT_GT(optimise_edges(mesh, options_, progress_, fixed).flips, 0);
+  for (const Index f : fixed) EXPECT_EQ(mesh.triangle(f), before[f]);
+  std::vector<Index> all(static_cast<std::size_t>(mesh.face_slots()));
+  for (Index f = 0; f < mesh.face_slots(); ++f) all[f] = f;
+  EXPECT_EQ(optimise_edges(mesh, options_, progress_, all).flips, 0);
+}
+
+TEST_P(EdgeOptimisation, DoesNotDependOnThreads) {
+  Random random(5);
+  SurfaceMesh one = testing::torus_mesh(220, 100);  // several blocks
+  for (Vec3& p : one.position) p += 0.003 * random.in_cube();
+  SurfaceMesh two = one;
+  {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+    optimise_edges(one, options_, progress_);
+  }
+  {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 4);
+    optimise_edges(two, options_, progress_);
+  }
+  expect_same_mesh(one, two);
+}
+
+TEST_P(EdgeOptimisation, CanBeCancelled) {
+  SurfaceMesh mesh = testing::torus_mesh(40, 16);
+  Progress cancelled([](double, const char*) { return false; }, {Stage::edge_optimisation});
+  EXPECT_THROW(optimise_edges(mesh, options_, cancelled), Cancelled);
+}
+
+INSTANTIATE_TEST_SUITE_P(Criteria, EdgeOptimisation,
+                         ::testing::Values(Criterion::bending, Criterion::quadric),
+                         [](const auto& instance) {
+                           return instance.param == Criterion::bending ? "bending" : "quadric";
+                         });
+
+TEST(BendingCriterion, FollowsTheEdgesOfACube) {
+  for (const unsigned seed : {1u, 2u, 3u, 4u}) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    SurfaceMesh mesh = cube(12, random);
+    ASSERT_GT(cut_corners(mesh, random), 10);
+    const std::vector<Vec3> outward(mesh.position);  // along the diagonals: good enough a guide
+    Progress progress;
+    optimise_edges(mesh, {}, progress, {}, &outward);
+    Index across = 0;
+    for (Index f = 0; f < mesh.face_slots(); ++f) across += !lies_in_one_side(mesh, f);
+    EXPECT_EQ(across, 0);
+    EXPECT_NEAR(testing::signed_volume(mesh), 8.0, 1e-9);
+  }
+}
+
+TEST(BendingCriterion, LeavesPlanesAlone) {
+  Random random(6);
+  SurfaceMesh mesh = cube(12, random);
+  const std::vector<Triangle> before = mesh.triangles();
+  Progress progress;
+  // Squares: both diagonals are equally good everywhere.
+  EXPECT_EQ(optimise_edges(mesh, {}, progress).flips, 0);
+  EXPECT_EQ(mesh.triangles(), before);
+}
+
+TEST(BendingCriterion, KeepsTrianglesWellShaped) {
+  // On a smooth surface the shape of triangles counts about as much as the last bit of bending.
+  const SurfaceMesh before = testing::torus_mesh(120, 40);
+  SurfaceMesh mesh = before;
+  Progress progress;
+  optimise_edges(mesh, {}, progress);
+  EXPECT_GT(median_smallest_angle(mesh), 0.9 * median_smallest_angle(before));
+}
+
+TEST(BendingCriterion, IsDoneAfterOneCall) {
+  Random random(7);
+  SurfaceMesh mesh = testing::torus_mesh(40, 16);
+  for (Vec3& p : mesh.position) p += 0.02 * random.in_cube();
+  const std::vector<Vec3> guide = mesh.vertex_normals();
+  Progress progress;
+  optimise_edges(mesh, {}, progress, {}, &guide);
+  EXPECT_EQ(optimise_edges(mesh, {}, progress, {}, &guide).flips, 0);
+}
+
+TEST(BendingCriterion, SurvivesDegenerateTriangles) {
+  SurfaceMesh mesh = testing::icosphere(2);
+  Random random(8);
+  for (int i = 0; i < 40; ++i)
+    mesh.position[random.below(mesh.vertex_slots())] =
+        mesh.position[random.below(mesh.vertex_slots())];
+  Progress progress;
+  optimise_edges(mesh, {}, progress);
+  expect_closed_manifold(mesh, 1, 0);
+}
+
+TEST(EdgeOptimisationOfATetrahedron, FlipsNothing) {
+  SurfaceMesh mesh = SurfaceMesh::from_triangles(
+      {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)},
+      {Triangle{0, 2, 1}, Triangle{0, 1, 3}, Triangle{1, 2, 3}, Triangle{0, 3, 2}});
+  Progress progress;
+  EXPECT_EQ(optimise_edges(mesh, {}, progress).flips, 0);
+  expect_closed_manifold(mesh, 1, 0);
+}
+
+}  // namespace
+}  // namespace shrinkwrap

@@ -1,0 +1,181 @@
+#include "filter_runs.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "shapes.h"
+
+namespace {
+
+using namespace shrinkwrap;
+using namespace shrinkwrap::testing;
+
+std::vector<Vec3> in_single_precision(std::vector<Vec3> points) {
+  for (Vec3& p : points) p = p.cast<float>().cast<double>();
+  return points;
+}
+
+// What a layer of the host makes of a result.
+FilterInput through_layer(const std::vector<Vec3>& points, const FilterOutcome& outcome) {
+  FilterInput input;
+  input.points = points;
+  input.mesh = outcome.mesh;
+  input.mesh.position = in_single_precision(input.mesh.position);
+  input.mesh.input_index.assign(input.mesh.position.size(), kNone);
+  input.marked_faces = outcome.marked_faces;
+  return input;
+}
+
+FilterOutcome run(Filter filter, const FilterInput& input, const ParameterValues& changed = {}) {
+  ParameterValues values = default_values(filter);
+  for (const auto& [name, value] : changed)
+    if (values.count(name) > 0) values[name] = value;
+  const FilterRequest request = request_of(filter, values);
+  Progress silent;
+  return run_filter(filter, request, input, silent);
+}
+
+FilterOutcome run_chain(const std::vector<Vec3>& points, const ParameterValues& changed) {
+  FilterInput input;
+  input.points = points;
+  FilterOutcome outcome = run(Filter::initial_mesh, input, changed);
+  for (const Filter filter : {Filter::control_mesh, Filter::parametric_surface,
+                              Filter::complete_matching, Filter::edge_optimisation})
+    outcome = run(filter, through_layer(points, outcome), changed);
+  return outcome;
+}
+
+void expect_same_bytes(const ResultMesh& a, const ResultMesh& b) {
+  ASSERT_EQ(a.position.size(), b.position.size());
+  ASSERT_EQ(a.triangles.size(), b.triangles.size());
+  const std::vector<Vec3> p = in_single_precision(a.position), q = in_single_precision(b.position);
+  EXPECT_EQ(0, std::memcmp(p.data(), q.data(), p.size() * sizeof(Vec3)));
+  EXPECT_EQ(a.triangles, b.triangles);
+  EXPECT_EQ(a.input_index, b.input_index);
+}
+
+struct ChainCase {
+  std::string name;
+  ShapeKind kind;
+  ParameterValues changed;
+};
+
+class Chain : public ::testing::TestWithParam<ChainCase> {};
+
+TEST_P(Chain, StageByStageGivesTheBytesOfTheOneShot) {
+  std::vector<Vec3> points = in_single_precision(sample_shape(GetParam().kind, 2500, 3));
+  for (Vec3& p : points) p = (100.0 * p + Vec3(1234.5, -77.0, 0.3)).cast<float>().cast<double>();
+  points.push_back(points[7]);                              // a duplicate
+  points.insert(points.begin(), Vec3(std::nan(""), 0, 0));  // and a point that is none
+  FilterInput input;
+  input.points = points;
+  const FilterOutcome one_shot = run(Filter::reconstruct, input, GetParam().changed);
+  const FilterOutcome chain = run_chain(points, GetParam().changed);
+  expect_same_bytes(one_shot.mesh, chain.mesh);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    FilterRuns, Chain,
+    ::testing::Values(ChainCase{"closed", ShapeKind::torus, {}},
+                      ChainCase{"opening_closed", ShapeKind::hemisphere, {}},
+                      ChainCase{"opening_left", ShapeKind::hemisphere, {{"Openings", 1}}},
+                      ChainCase{"as_in_the_paper", ShapeKind::sphere, {{"Method", 1}}}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(FilterRuns, KeptStagesAreThoseOfTheChain) {
+  const std::vector<Vec3> points = in_single_precision(sample_shape(ShapeKind::blob, 1500, 5));
+  FilterInput input;
+  input.points = points;
+  const FilterOutcome outcome = run(Filter::reconstruct, input, {{"KeepStages", 1}});
+  ASSERT_EQ(outcome.stages.size(), 4u);
+  EXPECT_EQ(outcome.stages[0].name, "initial mesh");
+  EXPECT_EQ(outcome.stages[3].name, "complete matching");
+  const FilterOutcome initial = run(Filter::initial_mesh, input);
+  expect_same_bytes(outcome.stages[0].mesh, initial.mesh);
+  const FilterOutcome control = run(Filter::control_mesh, through_layer(points, initial));
+  expect_same_bytes(outcome.stages[1].mesh, control.mesh);
+}
+
+TEST(FilterRuns, EveryRunEndsWithAVerdict) {
+  const std::vector<Vec3> points = in_single_precision(sample_shape(ShapeKind::sphere, 800, 6));
+  FilterInput input;
+  input.points = points;
+  const FilterOutcome surface = run(Filter::reconstruct, input, {{"StopAtParametricSurface", 1}});
+  const FilterOutcome mesh = run(Filter::reconstruct, input);
+  for (const FilterOutcome& outcome :
+       {surface, mesh, run(Filter::matching_report, through_layer(points, mesh)),
+        run(Filter::distance_to_samples, through_layer(points, mesh))}) {
+    ASSERT_FALSE(outcome.log.empty());
+    EXPECT_EQ(outcome.log.back().rfind(kSucceeded, 0), 0u) << outcome.log.back();
+  }
+  EXPECT_NE(mesh.log.back().find("800 of 800 samples matched"), std::string::npos)
+      << mesh.log.back();
+}
+
+TEST(FilterRuns, ReportTellsCompleteFromIncomplete) {
+  const std::vector<Vec3> points = in_single_precision(sample_shape(ShapeKind::sphere, 800, 7));
+  FilterInput input;
+  input.points = points;
+  FilterInput measured = through_layer(points, run(Filter::reconstruct, input));
+  EXPECT_NO_THROW(run(Filter::matching_report, measured, {{"FailIfIncomplete", 1}}));
+  measured.mesh.triangles.pop_back();
+  EXPECT_THROW(run(Filter::matching_report, measured, {{"FailIfIncomplete", 1}}),
+               ReconstructionFailed);
+  const FilterOutcome outcome = run(Filter::matching_report, measured);
+  EXPECT_NE(outcome.log.back().find("NOT complete"), std::string::npos);
+}
+
+TEST(FilterRuns, DistanceIsExactAndInTheUnitsOfTheLayer) {
+  FilterInput input;
+  input.points = {{1000, 0, 0}, {1003, 4, 0}, {std::nan(""), 0, 0}};
+  input.mesh.position = {{1000, 0, 0}, {1003, 0, 0}, {1000, 0, -12}, {std::nan(""), 0, 0}};
+  const FilterOutcome outcome = run(Filter::distance_to_samples, input);
+  ASSERT_EQ(outcome.distance.size(), 4u);
+  EXPECT_EQ(outcome.distance[0], 0.0);
+  EXPECT_EQ(outcome.distance[1], 3.0);
+  EXPECT_EQ(outcome.distance[2], 12.0);
+  EXPECT_EQ(outcome.distance[3], 0.0);
+  EXPECT_EQ(outcome.warnings.size(), 1u);
+}
+
+TEST(FilterRuns, RefusesWhatItCannotUse) {
+  FilterInput input;
+  for (const Filter filter :
+       {Filter::reconstruct, Filter::initial_mesh, Filter::control_mesh, Filter::parametric_surface,
+        Filter::complete_matching, Filter::edge_optimisation, Filter::matching_report,
+        Filter::distance_to_samples})
+    EXPECT_THROW(run(filter, input), InvalidInput) << filter_name(filter);
+
+  const std::vector<Vec3> points = in_single_precision(sample_shape(ShapeKind::sphere, 500, 8));
+  input.points = points;
+  FilterInput mesh = through_layer(points, run(Filter::initial_mesh, input));
+  EXPECT_THROW(run(Filter::edge_optimisation, mesh), InvalidInput) << "its vertices are no samples";
+  mesh.mesh.triangles.pop_back();
+  EXPECT_THROW(run(Filter::control_mesh, mesh), InvalidInput) << "it has a border";
+}
+
+TEST(FilterRuns, StagesDeclaredAreStagesPassed) {
+  FilterInput input;
+  input.points = in_single_precision(sample_shape(ShapeKind::sphere, 500, 9));
+  const FilterRequest request =
+      request_of(Filter::reconstruct, default_values(Filter::reconstruct));
+  std::vector<std::string> passed;
+  double last = 0.0;
+  Progress progress(
+      [&](double fraction, const char* stage) {
+        EXPECT_GE(fraction, last);
+        last = fraction;
+        if (passed.empty() || passed.back() != stage) passed.push_back(stage);
+        return true;
+      },
+      stages_of(Filter::reconstruct, request));
+  run_filter(Filter::reconstruct, request, input, progress);
+  std::vector<std::string> declared;
+  for (const Stage stage : stages_of(Filter::reconstruct, request))
+    declared.push_back(stage_name(stage));
+  EXPECT_EQ(passed, declared);
+}
+
+}  // namespace

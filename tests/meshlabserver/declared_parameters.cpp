@@ -1,0 +1,53 @@
+// declared_parameters PLUGIN [--script]: the filters of a plugin and their parameters, as a
+// document of two layers (a cloud, then a mesh) gives them. One tab-separated line a parameter:
+// filter, type, name, value; or, with --script, a script that runs every filter with its defaults.
+#include <QApplication>
+#include <QDomDocument>
+#include <QPluginLoader>
+#include <cstdio>
+#include <cstring>
+
+#include "host_api.h"
+
+int main(int argc, char** argv) {
+  QApplication application(argc, argv);
+  if (argc < 2) return 2;
+  QPluginLoader loader(QString::fromLocal8Bit(argv[1]));
+  auto* plugin = qobject_cast<shrinkwrap::HostInterface*>(loader.instance());
+  if (plugin == nullptr) {
+    std::fprintf(stderr, "%s\n", qUtf8Printable(loader.errorString()));
+    return 1;
+  }
+  const bool as_script = argc > 2 && std::strcmp(argv[2], "--script") == 0;
+
+  MeshDocument document;
+  document.addNewMesh("", "cloud", true);
+  MeshModel* mesh = document.addNewMesh("", "mesh", true);
+  vcg::tri::Allocator<CMeshO>::AddVertices(mesh->cm, 3);
+  vcg::tri::Allocator<CMeshO>::AddFace(mesh->cm, 0, 1, 2);
+
+  QDomDocument script("FilterScript");
+  QDomElement root = script.createElement("FilterScript");
+  script.appendChild(root);
+  for (QAction* action : plugin->actions()) {
+    QDomElement filter = script.createElement("filter");
+    filter.setAttribute("name", action->text());
+    root.appendChild(filter);
+    RichParameterList list;
+#if SHRINKWRAP_MESHLAB_GENERATION == 2020
+    plugin->initParameterSet(action, document, list);
+#else
+    list = plugin->initParameterList(action, document);
+#endif
+    for (const RichParameter& parameter : list) {
+      const QDomElement element = parameter.fillToXMLDocument(script, false);
+      filter.appendChild(element);
+      if (!as_script)
+        std::printf("%s\t%s\t%s\t%s\n", qUtf8Printable(action->text()),
+                    qUtf8Printable(parameter.stringType()), qUtf8Printable(parameter.name()),
+                    qUtf8Printable(element.attribute("value")));
+    }
+  }
+  if (as_script) std::printf("%s", script.toString(1).toUtf8().constData());
+  return 0;
+}

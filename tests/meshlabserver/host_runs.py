@@ -1,0 +1,130 @@
+"""What the tests on the real host share: clouds, scripts, runs of meshlabserver, and the independent checker."""
+
+import math
+import os
+import pathlib
+import random
+import struct
+import subprocess
+import xml.etree.ElementTree as ElementTree
+
+SCRIPTS = pathlib.Path(__file__).resolve().parent / "scripts"
+ONE_SHOT = SCRIPTS.parents[2] / "sample_clouds" / "reconstruct.mlx"
+
+
+def sphere(count, seed=1, keep=lambda p: True):
+    """Random points of the unit sphere, in single precision."""
+    generator = random.Random(seed)
+    points = []
+    while len(points) < count:
+        p = [generator.gauss(0.0, 1.0) for _ in range(3)]
+        length = math.sqrt(sum(x * x for x in p))
+        p = tuple(as_float(x / length) for x in p)
+        if keep(p):
+            points.append(p)
+    return points
+
+
+def torus(count, seed=1):
+    """Random points of a torus, uniform by area, in single precision."""
+    generator = random.Random(seed)
+    points = []
+    while len(points) < count:
+        u, v = (generator.uniform(0.0, 2.0 * math.pi) for _ in range(2))
+        if generator.uniform(0.0, 1.0) > (0.75 + 0.25 * math.cos(v)):
+            continue
+        r = 0.75 + 0.25 * math.cos(v)
+        points.append(tuple(as_float(x) for x in (r * math.cos(u), r * math.sin(u), 0.25 * math.sin(v))))
+    return points
+
+
+def as_float(x):
+    return struct.unpack("f", struct.pack("f", x))[0]
+
+
+def write_ply(path, points, faces=(), colours=None):
+    """A binary PLY, bit for bit."""
+    header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(points)}"]
+    header += [f"property float {axis}" for axis in "xyz"]
+    if colours:
+        header += [f"property uchar {channel}" for channel in ("red", "green", "blue")]
+    if faces:
+        header += [f"element face {len(faces)}", "property list uchar int vertex_indices"]
+    with open(path, "wb") as file:
+        file.write(("\n".join(header) + "\nend_header\n").encode())
+        for i, point in enumerate(points):
+            file.write(struct.pack("<3f", *point))
+            if colours:
+                file.write(bytes(colours[i]))
+        for face in faces:
+            file.write(struct.pack("<B3i", 3, *face))
+
+
+def read_ply(path):
+    """Vertices (a dict each) and faces of a binary PLY as MeshLab writes it."""
+    formats = {"float": "f", "uchar": "B", "int": "i", "double": "d", "uint": "I"}
+    data = pathlib.Path(path).read_bytes()
+    end = data.index(b"end_header\n") + len(b"end_header\n")
+    counts, names, layout = {}, [], "<"
+    element = None
+    for line in data[:end].decode().splitlines():
+        words = line.split()
+        if words[0] == "element":
+            element = words[1]
+            counts[element] = int(words[2])
+        elif words[0] == "property" and element == "vertex":
+            names.append(words[2])
+            layout += formats[words[1]]
+    size = struct.calcsize(layout)
+    vertices = [dict(zip(names, struct.unpack_from(layout, data, end + i * size))) for i in range(counts["vertex"])]
+    offset = end + counts["vertex"] * size
+    face = "<B3i"
+    faces = [struct.unpack_from(face, data, offset + i * struct.calcsize(face))[1:] for i in range(counts.get("face", 0))]
+    return vertices, faces
+
+
+def script(path, base, *changes, before=None, types=None):
+    """Writes a variant of a script to `path`. A change is (parameter, value) or (filter name's end, parameter, value)."""
+    tree = ElementTree.parse(base)
+    for change in changes:
+        name, parameter, value = ("", *change) if len(change) == 2 else change
+        found = 0
+        for step in tree.getroot():
+            if not step.get("name").endswith(name):
+                continue
+            for element in step.findall(f"Param[@name='{parameter}']"):
+                element.set("value", str(value))
+                if types and parameter in types:
+                    element.set("type", types[parameter])
+                found += 1
+        if not found:
+            raise ValueError(f"no parameter {parameter} in {base}")
+    if before is not None:
+        tree.getroot().insert(0, ElementTree.fromstring(before))
+    pathlib.Path(path).write_text("<!DOCTYPE FilterScript>\n" + ElementTree.tostring(tree.getroot(), encoding="unicode"))
+    return path
+
+
+class Run:
+    """One run of meshlabserver: exit code and log."""
+
+    def __init__(self, server, folder, script_file, inputs, outputs=(), options=()):
+        log = folder / "host.log"
+        log.unlink(missing_ok=True)
+        command = ["xvfb-run", "-a", str(server), "-l", str(log)]
+        if inputs:
+            command += ["-i", *map(str, inputs)]
+        for layer, output in outputs:
+            command += ["-o", str(output), "-l", str(layer), *options]
+        command += ["-s", str(script_file)]
+        done = subprocess.run(command, capture_output=True, cwd=folder, timeout=300, check=False,
+                              env=dict(os.environ, HOME=str(folder)))
+        self.code = done.returncode
+        self.log = log.read_text() if log.exists() else ""
+        self.text = self.log + done.stdout.decode(errors="replace") + done.stderr.decode(errors="replace")
+
+
+def check(checker, mesh, cloud=None):
+    """The figures of the independent checker as a dict of ints."""
+    done = subprocess.run([str(checker), str(mesh), *([str(cloud)] if cloud else [])], capture_output=True, check=True)
+    return {key: int(value) for key, value in (line.split() for line in done.stdout.decode().splitlines())}

@@ -1,0 +1,281 @@
+// plugin_test PLUGIN: the plugin as the host sees it - loaded, asked and applied - without a
+// screen.
+#include <gtest/gtest.h>
+
+#include <QApplication>
+#include <QPluginLoader>
+#include <cmath>
+
+#include "filter_runs.h"
+#include "host_api.h"
+#include "shapes.h"
+
+namespace {
+
+using namespace shrinkwrap;
+using namespace shrinkwrap::testing;
+
+HostInterface* plugin = nullptr;
+
+HostAction action_of(Filter filter) {
+  for (QAction* action : plugin->actions())
+    if (action->text() == filter_name(filter)) return action;
+  return nullptr;
+}
+
+RichParameterList parameters_for(Filter filter, MeshDocument& document) {
+#if SHRINKWRAP_MESHLAB_GENERATION == 2020
+  RichParameterList list;
+  plugin->initParameterSet(action_of(filter), document, list);
+  return list;
+#else
+  return plugin->initParameterList(action_of(filter), document);
+#endif
+}
+
+// Empty on success, else the error message.
+std::string apply(Filter filter, MeshDocument& document, const RichParameterList& list,
+                  vcg::CallBackPos* callback = nullptr) {
+#if SHRINKWRAP_MESHLAB_GENERATION == 2020
+  if (plugin->applyFilter(action_of(filter), document, list, callback)) return "";
+  return plugin->errorMsg().toStdString();
+#else
+  try {
+    unsigned int mask = 0;
+    plugin->applyFilter(action_of(filter), list, document, mask, callback);
+    return "";
+  } catch (const MLException& error) {
+    return error.what();
+  }
+#endif
+}
+
+std::string apply(Filter filter, MeshDocument& document, vcg::CallBackPos* callback = nullptr) {
+  return apply(filter, document, parameters_for(filter, document), callback);
+}
+
+MeshModel* add_cloud(MeshDocument& document, ShapeKind kind, int count,
+                     const char* label = "scan.one.ply") {
+  MeshModel* layer = document.addNewMesh("", label, true);
+  const std::vector<Vec3> points = sample_shape(kind, count, 1);
+  vcg::tri::Allocator<CMeshO>::AddVertices(layer->cm, points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    layer->cm.vert[i].P() = CMeshO::CoordType(points[i].x(), points[i].y(), points[i].z());
+  vcg::tri::UpdateBounding<CMeshO>::Box(layer->cm);
+  return layer;
+}
+
+std::size_t layer_count(MeshDocument& document) {
+  return layers_of(document).size();
+}
+
+// Everything of a layer that a filter might change by mistake.
+std::vector<double> state_of(const MeshModel& layer) {
+  std::vector<double> state = {static_cast<double>(layer.cm.vn), static_cast<double>(layer.cm.fn),
+                               static_cast<double>(layer.dataMask())};
+  for (const auto& vertex : layer.cm.vert) {
+    for (int axis = 0; axis < 3; ++axis) state.push_back(vertex.cP()[axis]);
+    state.push_back(vertex.cQ());
+    state.push_back(vertex.cFlags());
+  }
+  return state;
+}
+
+int last_percent = -1;
+bool accept_progress(const int percent, const char* stage) {
+  EXPECT_GE(percent, last_percent);
+  EXPECT_LE(percent, 100);
+  EXPECT_STRNE(stage, "");
+  last_percent = percent;
+  return true;
+}
+bool refuse_progress(const int, const char*) {
+  return false;
+}
+
+TEST(Plugin, HasTheFiltersThatTheHostAccepts) {
+  int count = 0;
+  for (QAction* action : plugin->actions()) {
+    EXPECT_EQ(action->text().toStdString(), filter_name(static_cast<Filter>(count++)));
+    EXPECT_NE(plugin->getClass(action), HostInterface::Generic);
+    EXPECT_NE(plugin->filterArity(action), HostInterface::UNKNOWN_ARITY);
+    EXPECT_NE(plugin->postCondition(action), static_cast<int>(MeshModel::MM_UNKNOWN));
+    EXPECT_NE(plugin->getRequirements(action), static_cast<int>(MeshModel::MM_UNKNOWN));
+    EXPECT_NE(plugin->getPreConditions(action), static_cast<int>(MeshModel::MM_UNKNOWN));
+    const QString help = plugin->filterInfo(plugin->ID(action));
+    EXPECT_GT(help.size(), 200);
+    EXPECT_TRUE(help.contains("<b>\"")) << "no reference";
+  }
+  EXPECT_EQ(count, kFilterCount);
+}
+
+TEST(Plugin, FailsWithAMessageOnAnEmptyDocument) {
+  for (int i = 0; i < kFilterCount; ++i) {
+    MeshDocument document;
+    const std::string error = apply(static_cast<Filter>(i), document);
+    EXPECT_EQ(error.rfind(kFailed, 0), 0u) << error;
+    EXPECT_EQ(layer_count(document), 0u);
+  }
+}
+
+TEST(Plugin, OneShotMakesANewCurrentLayerAndLeavesTheCloud) {
+  MeshDocument document;
+  MeshModel* cloud = add_cloud(document, ShapeKind::torus, 1500);
+  cloud->cm.Tr.SetTranslate(1, 2, 3);
+  cloud->updateDataMask(MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTRADIUS);
+  auto weight = vcg::tri::Allocator<CMeshO>::AddPerVertexAttribute<float>(cloud->cm, "weight");
+  for (int i = 0; i < cloud->cm.vn; ++i) {
+    cloud->cm.vert[i].C() = vcg::Color4b(i % 256, i / 256, 7, 255);
+    cloud->cm.vert[i].R() = 0.5f * i;
+    weight[i] = 0.25f * i;
+  }
+  const auto before = state_of(*cloud);
+  last_percent = -1;
+  ASSERT_EQ(apply(Filter::reconstruct, document, accept_progress), "");
+  EXPECT_GT(last_percent, 50);
+  EXPECT_EQ(state_of(*cloud), before);
+
+  ASSERT_EQ(layer_count(document), 2u);
+  MeshModel* mesh = document.mm();
+  ASSERT_NE(mesh, cloud);
+  EXPECT_EQ(mesh->label().toStdString(), "scan.one shrink wrap");
+  EXPECT_EQ(mesh->cm.Tr, cloud->cm.Tr);
+  EXPECT_EQ(mesh->cm.vn, 1500);
+  EXPECT_EQ(mesh->cm.fn, 3000) << "genus 1: as many edges as give V - E + F = 0";
+  EXPECT_TRUE(mesh->hasDataMask(MeshModel::MM_VERTCOLOR));
+  EXPECT_TRUE(mesh->hasDataMask(MeshModel::MM_VERTRADIUS));
+  EXPECT_FALSE(mesh->hasDataMask(MeshModel::MM_VERTQUALITY));
+  auto copied = vcg::tri::Allocator<CMeshO>::FindPerVertexAttribute<float>(mesh->cm, "weight");
+  ASSERT_TRUE(vcg::tri::Allocator<CMeshO>::IsValidHandle(mesh->cm, copied));
+  for (int i = 0; i < 1500; i += 100) {  // without duplicates, vertex i is point i
+    EXPECT_EQ(mesh->cm.vert[i].cP(), cloud->cm.vert[i].cP());
+    EXPECT_TRUE(mesh->cm.vert[i].C() == cloud->cm.vert[i].C());
+    EXPECT_EQ(mesh->cm.vert[i].R(), cloud->cm.vert[i].R());
+    EXPECT_EQ(copied[i], weight[i]);
+  }
+  EXPECT_FALSE(mesh->cm.bbox.IsNull());
+}
+
+TEST(Plugin, CancelLeavesTheDocumentAsItWas) {
+  MeshDocument document;
+  MeshModel* cloud = add_cloud(document, ShapeKind::sphere, 1000);
+  const auto before = state_of(*cloud);
+  const std::string error = apply(Filter::reconstruct, document, refuse_progress);
+  EXPECT_NE(error.find("cancelled"), std::string::npos) << error;
+  EXPECT_EQ(layer_count(document), 1u);
+  EXPECT_EQ(document.mm(), cloud);
+  EXPECT_EQ(state_of(*cloud), before);
+  EXPECT_EQ(apply(Filter::reconstruct, document), "")
+      << "the next run must not remember the cancel";
+}
+
+TEST(Plugin, FailureNamesTheLayerAndLeavesTheDocument) {
+  MeshDocument document;
+  MeshModel* cloud = add_cloud(document, ShapeKind::sphere, 3, "tiny.ply");
+  const std::string error = apply(Filter::reconstruct, document);
+  EXPECT_NE(error.find("tiny.ply"), std::string::npos) << error;
+  EXPECT_EQ(layer_count(document), 1u);
+  EXPECT_EQ(document.mm(), cloud);
+}
+
+TEST(Plugin, SelectedPointsOnly) {
+  MeshDocument document;
+  MeshModel* cloud = add_cloud(document, ShapeKind::two_spheres, 2000);
+  RichParameterList list = parameters_for(Filter::reconstruct, document);
+  list.setValue("SelectedOnly", BoolValue(true));
+  EXPECT_NE(apply(Filter::reconstruct, document, list).find("no point is selected"),
+            std::string::npos);
+  int selected = 0;
+  for (auto& vertex : cloud->cm.vert)
+    if (vertex.cP()[0] > 0) {
+      vertex.SetS();
+      ++selected;
+    }
+  ASSERT_EQ(apply(Filter::reconstruct, document, list), "");
+  EXPECT_EQ(document.mm()->cm.vn, selected);
+}
+
+TEST(Plugin, KeptStagesBecomeLayersAndTheResultIsCurrent) {
+  MeshDocument document;
+  add_cloud(document, ShapeKind::sphere, 1000, "ball.ply");
+  RichParameterList list = parameters_for(Filter::reconstruct, document);
+  list.setValue("KeepStages", BoolValue(true));
+  ASSERT_EQ(apply(Filter::reconstruct, document, list), "");
+  std::vector<std::string> labels;
+  for (MeshModel* layer : layers_of(document)) labels.push_back(layer->label().toStdString());
+  EXPECT_EQ(labels, (std::vector<std::string>{"ball.ply", "ball initial mesh", "ball control mesh",
+                                              "ball parametric surface", "ball complete matching",
+                                              "ball shrink wrap"}));
+  EXPECT_EQ(document.mm()->label().toStdString(), "ball shrink wrap");
+}
+
+TEST(Plugin, DialogsOfTwoLayersProposeCloudAndMesh) {
+  MeshDocument document;
+  MeshModel* cloud = add_cloud(document, ShapeKind::sphere, 1000);
+  ASSERT_EQ(apply(Filter::reconstruct, document), "");
+  MeshModel* mesh = document.mm();
+  const RichParameterList list = parameters_for(Filter::matching_report, document);
+  EXPECT_EQ(chosen_layer(list, document, kSamplesLayer), cloud);
+  EXPECT_EQ(chosen_layer(list, document, kMeshLayer), mesh);
+}
+
+TEST(Plugin, ReportChangesNothingAndDistanceOnlyTheQuality) {
+  MeshDocument document;
+  MeshModel* cloud = add_cloud(document, ShapeKind::sphere, 1000);
+  RichParameterList list = parameters_for(Filter::reconstruct, document);
+  list.setValue("StopAtParametricSurface", BoolValue(true));
+  ASSERT_EQ(apply(Filter::reconstruct, document, list), "");
+  MeshModel* mesh = document.mm();
+  const auto cloud_before = state_of(*cloud), mesh_before = state_of(*mesh);
+  ASSERT_EQ(apply(Filter::matching_report, document), "");
+  EXPECT_EQ(state_of(*mesh), mesh_before);
+  ASSERT_EQ(apply(Filter::distance_to_samples, document), "");
+  EXPECT_EQ(state_of(*cloud), cloud_before);
+  EXPECT_EQ(layer_count(document), 2u);
+  EXPECT_TRUE(mesh->hasDataMask(MeshModel::MM_VERTQUALITY));
+  for (std::size_t i = 0; i < mesh->cm.vert.size(); i += 97) {
+    double nearest = INFINITY;
+    for (const auto& sample : cloud->cm.vert)
+      nearest = std::min<double>(nearest, vcg::Distance(sample.cP(), mesh->cm.vert[i].cP()));
+    EXPECT_NEAR(mesh->cm.vert[i].Q(), nearest, 1e-6);
+  }
+}
+
+TEST(Plugin, LayersOfDifferentMatricesAreRefused) {
+  MeshDocument document;
+  add_cloud(document, ShapeKind::sphere, 500);
+  ASSERT_EQ(apply(Filter::reconstruct, document), "");
+  document.mm()->cm.Tr.SetTranslate(1, 0, 0);
+  EXPECT_NE(apply(Filter::matching_report, document).find("matrix"), std::string::npos);
+}
+
+TEST(Plugin, WrongValuesAndTypesAreRefusedByName) {
+  MeshDocument document;
+  add_cloud(document, ShapeKind::sphere, 500);
+  RichParameterList list = parameters_for(Filter::reconstruct, document);
+  list.setValue("VoxelSize", FloatValue(-3.0f));
+  EXPECT_NE(apply(Filter::reconstruct, document, list).find("VoxelSize"), std::string::npos);
+  RichParameterList other;
+  for (const RichParameter& parameter : parameters_for(Filter::reconstruct, document))
+    if (parameter.name() == "VoxelSize")
+      other.addParam(RichString("VoxelSize", "large"));
+    else
+      other.addParam(parameter);
+  EXPECT_NE(apply(Filter::reconstruct, document, other).find("VoxelSize"), std::string::npos);
+  EXPECT_EQ(layer_count(document), 1u);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ::testing::InitGoogleTest(&argc, argv);
+  QApplication application(argc, argv);
+  if (argc < 2) return 2;
+  QPluginLoader loader(QString::fromLocal8Bit(argv[1]));
+  plugin = qobject_cast<HostInterface*>(loader.instance());
+  if (plugin == nullptr) {
+    std::fprintf(stderr, "%s\n", qUtf8Printable(loader.errorString()));
+    return 1;
+  }
+  return RUN_ALL_TESTS();
+}

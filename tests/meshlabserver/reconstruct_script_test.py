@@ -1,0 +1,119 @@
+"""reconstruct_script_test.py ROOT BUILD CHECKER: sample_clouds/reconstruct.sh as a user calls it: any name, several inputs,
+and never a file or an exit code that says more than is true."""
+
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from host_runs import check, sphere, torus, write_ply
+
+ROOT, BUILD, CHECKER = None, None, None
+
+
+class ReconstructScript(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name) / "Meine Köpfe (größte) 'n more"
+        self.folder.mkdir()
+
+    def call(self, *arguments, **environment):
+        done = subprocess.run(["sh", str(ROOT / "sample_clouds" / "reconstruct.sh"), *map(str, arguments)],
+                              capture_output=True, cwd=self.folder, check=False, timeout=600,
+                              env=dict(os.environ, SHRINKWRAP_BUILD_DIR=BUILD, **environment))
+        self.text = done.stdout.decode(errors="replace") + done.stderr.decode(errors="replace")
+        self.assertEqual([p.name for p in self.folder.rglob(".*")], [], "left behind")
+        return done.returncode
+
+    def cloud(self, name, points):
+        path = self.folder / name
+        write_ply(path, points)
+        return path
+
+    def test_one_input_to_a_named_output(self):
+        cloud = self.cloud("größte Kugel 点群.ply", torus(2000))
+        output = self.folder / "Ergebnis № 1.ply"
+        self.assertEqual(self.call(cloud.name, "-o", output.name, LC_ALL="C"), 0, self.text)
+        figures = check(CHECKER, output, cloud)
+        self.assertEqual((figures["closed"], figures["complete"], figures["genus"]), (1, 1, 1), figures)
+        for word in ("initial mesh", "control mesh", "parametric surface", "2000 of 2000 samples matched"):
+            self.assertIn(word, self.text)
+
+    def test_names_that_look_like_options_or_patterns(self):
+        cloud = self.cloud("-i [a]*?.PLY", sphere(600))
+        self.assertEqual(self.call("--", cloud.name), 0, self.text)
+        self.assertEqual(check(CHECKER, self.folder / "-i [a]*?_shrink_wrap.ply", cloud)["complete"], 1)
+
+    def test_several_inputs_and_one_that_fails(self):
+        first, second = self.cloud("a.ply", sphere(600)), self.cloud("b.ply", torus(1500))
+        self.cloud("flat.ply", sphere(3))
+        self.assertEqual(self.call("a.ply", "flat.ply", "b.ply", "-j", "2"), 1, self.text)
+        self.assertIn("2 of 3 reconstructed", self.text)
+        self.assertIn("FAILED: ", self.text)
+        self.assertEqual(check(CHECKER, self.folder / "a_shrink_wrap.ply", first)["complete"], 1)
+        self.assertEqual(check(CHECKER, self.folder / "b_shrink_wrap.ply", second)["complete"], 1)
+        self.assertFalse((self.folder / "flat_shrink_wrap.ply").exists())
+
+    def test_a_folder_of_inputs_to_a_folder(self):
+        clouds = self.folder / "in"
+        clouds.mkdir()
+        self.cloud("in/a.ply", sphere(600))
+        self.cloud("in/b.ply", sphere(700))
+        (clouds / "notes.txt").write_text("no cloud")
+        self.assertEqual(self.call("in", "-o", "out"), 0, self.text)
+        self.assertEqual(sorted(p.name for p in (self.folder / "out").iterdir()),
+                         ["a_shrink_wrap.ply", "b_shrink_wrap.ply"])
+
+    def test_options_reach_the_filter(self):
+        self.cloud("a.ply", sphere(1000))
+        self.assertEqual(self.call("a.ply", "--surface", "--threads", "1", "-o", "surface.obj"), 0, self.text)
+        self.assertTrue((self.folder / "surface.obj").stat().st_size > 0)
+        self.assertNotIn("complete matching", self.text)
+
+    def test_a_stale_output_does_not_survive_a_failure(self):
+        self.cloud("a.ply", sphere(3))
+        stale = self.folder / "mesh.ply"
+        stale.write_text("of yesterday")
+        self.assertEqual(self.call("a.ply", "-o", "mesh.ply"), 1, self.text)
+        self.assertIn("4", self.text)
+        self.assertFalse(stale.exists())
+
+    def test_inputs_that_cannot_be_read(self):
+        (self.folder / "empty.ply").touch()
+        (self.folder / "garbage.ply").write_bytes(bytes(range(256)) * 10)
+        (self.folder / "cloud.unknown").write_text("1 2 3\n")
+        (self.folder / "nameless").write_text("1 2 3\n")
+        for name in ("missing.ply", "empty.ply", "garbage.ply", "cloud.unknown", "nameless"):
+            with self.subTest(name=name):
+                self.assertEqual(self.call(name), 1, self.text)
+                self.assertIn("FAILED: ", self.text)
+        self.assertEqual(list(self.folder.glob("*_shrink_wrap*")), [])
+
+    def test_outputs_that_cannot_be_written(self):
+        cloud = self.cloud("a.ply", sphere(600))
+        before = cloud.read_bytes()
+        for output in ("no folder/mesh.ply", "mesh.unknown", "mesh", "a.ply", "./a.ply"):
+            with self.subTest(output=output):
+                self.assertEqual(self.call("a.ply", "-o", output), 1, self.text)
+                self.assertEqual(cloud.read_bytes(), before)
+        self.assertEqual([p.name for p in self.folder.iterdir()], ["a.ply"])
+
+    def test_two_inputs_of_one_name_to_one_folder(self):
+        for name in ("one", "two"):
+            (self.folder / name).mkdir()
+            self.cloud(f"{name}/a.ply", sphere(600))
+        self.assertEqual(self.call("one/a.ply", "two/a.ply", "-o", "out"), 1, self.text)
+        self.assertIn("1 of 2 reconstructed", self.text)
+
+    def test_wrong_calls(self):
+        for arguments in (["--unknown"], ["-o"], ["-j", "0"], ["-j", "many"], ["--threads", "x"]):
+            with self.subTest(arguments=arguments):
+                self.assertNotEqual(self.call(*arguments), 0)
+
+
+if __name__ == "__main__":
+    ROOT, BUILD, CHECKER = pathlib.Path(sys.argv[1]), *sys.argv[2:4]
+    unittest.main(argv=sys.argv[:1] + sys.argv[4:])

@@ -1,0 +1,208 @@
+#include "orientation.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+
+#include "shapes.h"
+
+namespace shrinkwrap {
+namespace {
+
+using testing::closed_shapes;
+using testing::Random;
+using testing::sample_shape;
+using testing::Shape;
+using testing::shape_of;
+using testing::ShapeKind;
+
+PointCloud prepare(const std::vector<Vec3>& points) {
+  Progress silent;
+  return prepare_samples(points, SampleOptions(), silent);
+}
+
+OrientationReport orient(PointCloud& cloud) {
+  Progress silent;
+  return orient_normals(cloud, OrientationOptions(), silent);
+}
+
+// Samples whose normal opposes that of the shape.
+Index count_wrong(const PointCloud& cloud, const Shape& shape) {
+  Index wrong = 0;
+  for (Index i = 0; i < cloud.size(); ++i) {
+    const Vec3 normal = shape.normal(cloud.frame.to_input(cloud.position[i]));
+    wrong += normal.dot(cloud.normal[i].cast<double>()) < 0.0;
+  }
+  return wrong;
+}
+
+std::vector<Vec3> sphere(Index count, double radius, const Vec3& centre, unsigned seed) {
+  Random random(seed);
+  std::vector<Vec3> points;
+  for (Index i = 0; i < count; ++i) points.push_back(centre + radius * random.direction());
+  return points;
+}
+
+void append(std::vector<Vec3>& points, const std::vector<Vec3>& more) {
+  points.insert(points.end(), more.begin(), more.end());
+}
+
+// Cosine of a sample's normal with the direction away from the origin of the input.
+double outwardness(const PointCloud& cloud, Index i) {
+  return cloud.frame.to_input(cloud.position[i]).normalized().dot(cloud.normal[i].cast<double>());
+}
+
+TEST(Orientation, IsOutwardOnClosedShapes) {
+  for (ShapeKind kind : closed_shapes())
+    for (unsigned seed : {1u, 2u}) {
+      const Shape shape = shape_of(kind);
+      SCOPED_TRACE(shape.name + ", seed " + std::to_string(seed));
+      PointCloud cloud = prepare(sample_shape(kind, 8000, seed));
+      const OrientationReport report = orient(cloud);
+      EXPECT_EQ(report.components, shape.components);
+      EXPECT_EQ(report.undecided_components, 0);
+      EXPECT_EQ(report.enclosed_components, 0);
+      // Across a sharp edge the true normal of a sample is a matter of opinion.
+      const bool sharp = kind == ShapeKind::box || kind == ShapeKind::thin_plate;
+      EXPECT_LE(count_wrong(cloud, shape), sharp ? 12 : 0);
+    }
+}
+
+TEST(Orientation, IsOutwardOnAnOpenCap) {
+  PointCloud cloud = prepare(sample_shape(ShapeKind::hemisphere, 8000, 3));
+  const OrientationReport report = orient(cloud);
+  EXPECT_EQ(report.undecided_components, 0);
+  EXPECT_EQ(count_wrong(cloud, shape_of(ShapeKind::hemisphere)), 0);
+}
+
+// Few of the samples are drawn at first, so coarsely that the two sides of the plate are one.
+TEST(Orientation, DrawsThinPartsAgainMoreFinely) {
+  PointCloud cloud = prepare(sample_shape(ShapeKind::thin_plate, 20000, 4));
+  OrientationOptions options;
+  options.drawn_samples = 100;
+  Progress silent;
+  const OrientationReport report = orient_normals(cloud, options, silent);
+  EXPECT_EQ(report.undecided_components, 0);
+  EXPECT_LE(count_wrong(cloud, shape_of(ShapeKind::thin_plate)), 20);
+}
+
+TEST(Orientation, WallsOfCavitiesFaceTheCavity) {
+  std::vector<Vec3> points = sphere(9000, 1.0, Vec3::Zero(), 1);
+  append(points, sphere(4500, 0.7, Vec3::Zero(), 2));  // wall of the cavity
+  append(points, sphere(1500, 0.4, Vec3::Zero(), 3));  // a body within
+  PointCloud cloud = prepare(points);
+  const OrientationReport report = orient(cloud);
+  EXPECT_EQ(report.components, 3);
+  EXPECT_EQ(report.enclosed_components, 2);
+  EXPECT_EQ(report.undecided_components, 0);
+  for (Index i = 0; i < cloud.size(); ++i) {
+    const double radius = cloud.frame.to_input(cloud.position[i]).norm();
+    const bool is_wall = radius > 0.5 && radius < 0.9;
+    ASSERT_GT(is_wall ? -outwardness(cloud, i) : outwardness(cloud, i), 0.9) << "radius " << radius;
+  }
+}
+
+TEST(Orientation, SmallComponentsBesideALargeOneAreSeen) {
+  std::vector<Vec3> points = sphere(30000, 1.0, Vec3::Zero(), 5);
+  for (unsigned k = 0; k < 12; ++k)
+    append(points, sphere(60, 0.05, Vec3(1.3 * std::cos(0.5 * k), 1.3 * std::sin(0.5 * k), 0), k));
+  PointCloud cloud = prepare(points);
+  const OrientationReport report = orient(cloud);
+  EXPECT_EQ(report.components, 13);
+  EXPECT_EQ(report.undecided_components, 0);
+  Index wrong = 0;
+  for (Index i = 0; i < cloud.size(); ++i) {
+    const Vec3 p = cloud.frame.to_input(cloud.position[i]);
+    Vec3 centre = Vec3::Zero();
+    if (cloud.input_index[i] >= 30000) {
+      const unsigned k = static_cast<unsigned>(cloud.input_index[i] - 30000) / 60;
+      centre = Vec3(1.3 * std::cos(0.5 * k), 1.3 * std::sin(0.5 * k), 0);
+    }
+    wrong += (p - centre).dot(cloud.normal[i].cast<double>()) < 0.0;
+  }
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST(Orientation, SaysThatASheetHasNoOutside) {
+  Random random(6);
+  std::vector<Vec3> points;
+  for (int i = 0; i < 3000; ++i) {
+    const double x = random.uniform(-1, 1), y = random.uniform(-1, 1);
+    points.emplace_back(x, y, 0.02 * std::sin(4 * x) * std::sin(4 * y));
+  }
+  PointCloud cloud = prepare(points);
+  const OrientationReport report = orient(cloud);
+  EXPECT_EQ(report.components, 1);
+  EXPECT_EQ(report.undecided_components, 1);
+  for (Index i = 1; i < cloud.size(); ++i)  // of one sign all the same
+    ASSERT_GT(cloud.normal[i].dot(cloud.normal[0]), 0.5f);
+}
+
+TEST(Orientation, DoesNotDependOnTheSignsItIsGiven) {
+  PointCloud cloud = prepare(sample_shape(ShapeKind::torus, 5000, 7));
+  PointCloud flipped = cloud;
+  for (Index i = 0; i < cloud.size(); i += 3) flipped.normal[i] = -flipped.normal[i];
+  orient(cloud);
+  orient(flipped);
+  EXPECT_TRUE(cloud.normal == flipped.normal);
+}
+
+TEST(Orientation, GivesTheSameBytesForAnyNumberOfThreads) {
+  PointCloud cloud = prepare(sample_shape(ShapeKind::double_torus, 20000, 8));
+  PointCloud same = cloud;
+  orient(cloud);
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  orient(same);
+  EXPECT_TRUE(cloud.normal == same.normal);
+  for (Index i = 0; i < cloud.size(); ++i) {
+    ASSERT_EQ(cloud.plane[i].point, same.plane[i].point);
+    ASSERT_EQ(cloud.plane[i].normal, same.plane[i].normal);
+  }
+}
+
+TEST(Orientation, PlanesLieOnTheSurface) {
+  PointCloud cloud = prepare(sample_shape(ShapeKind::sphere, 8000, 9));
+  orient(cloud);
+  for (Index i = 0; i < cloud.size(); ++i) {
+    const TangentPlane& plane = cloud.plane[i];
+    ASSERT_NEAR(plane.normal.norm(), 1.0f, 1e-4f);
+    const Vec3 p = cloud.frame.to_input(plane.point.cast<double>());
+    ASSERT_NEAR(p.norm(), 1.0, 4e-3);  // a fifth of the spacing: the mean lies within
+    ASSERT_GT(plane.normal.dot(p.normalized().cast<float>()), 0.995f);
+  }
+}
+
+TEST(Orientation, BearsAnything) {
+  Random random(10);
+  std::vector<std::vector<Vec3>> clouds = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  for (Index count : {5, 17, 40, 2000}) {
+    clouds.emplace_back();
+    for (Index i = 0; i < count; ++i) clouds.back().push_back(random.in_cube());
+  }
+  clouds.push_back(clouds.back());
+  clouds.back().emplace_back(1e6, 0, 0);  // a far outlier
+  clouds.emplace_back();                  // a line of points with one beside it, and one far away
+  for (int i = 0; i < 300; ++i) clouds.back().emplace_back(i, 0, 0);
+  clouds.back().emplace_back(0, 1, 0);
+  clouds.back().emplace_back(0, 0, 50);
+  for (const auto& points : clouds) {
+    PointCloud cloud = prepare(points);
+    const OrientationReport report = orient(cloud);
+    EXPECT_GE(report.components, 1);
+    for (Index i = 0; i < cloud.size(); ++i) {
+      ASSERT_NEAR(cloud.normal[i].norm(), 1.0f, 1e-4f);
+      ASSERT_NEAR(cloud.plane[i].normal.norm(), 1.0f, 1e-4f);
+      ASSERT_TRUE(cloud.plane[i].point.allFinite());
+    }
+  }
+}
+
+TEST(Orientation, CanBeCancelled) {
+  PointCloud cloud = prepare(sample_shape(ShapeKind::sphere, 1000, 1));
+  Progress progress([](double, const char*) { return false; }, {Stage::orientation});
+  EXPECT_THROW(orient_normals(cloud, OrientationOptions(), progress), Cancelled);
+}
+
+}  // namespace
+}  // namespace shrinkwrap

@@ -1,0 +1,112 @@
+// Shapes whose topology is known, to sample and to mesh: what the tests reconstruct.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "surface_mesh.h"
+#include "types.h"
+
+namespace shrinkwrap::testing {
+
+/// Random numbers that are the same with every standard library and on every machine: the engine is
+/// specified bit for bit, and what is made of its output needs no transcendental function.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  double uniform() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }  ///< in [0, 1)
+  double uniform(double low, double high) { return low + (high - low) * uniform(); }
+  Index below(Index count);  ///< in [0, count)
+  double gaussian();         ///< mean 0, deviation 1, within 6 (a sum of twelve uniforms)
+  Vec3 in_cube();            ///< in [-1, 1)^3
+  Vec3 direction();          ///< unit, uniform
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+/// Negative inside, zero on the surface. Lipschitz constant at most 1, so that a ray may step on by
+/// its absolute value.
+using ImplicitFunction = std::function<double(const Vec3&)>;
+
+/// Part of space in which a surface lies: a ball about the origin, of which `keep` may drop a part
+/// (then the surface is open). No `keep`: everything.
+struct SamplingDomain {
+  double radius = 1.0;
+  std::function<bool(const Vec3&)> keep;
+};
+
+struct ImplicitSamples {
+  std::vector<Vec3> points;
+  double area = 0.0;  ///< of the surface sampled, an estimate
+};
+
+/// Points uniformly distributed by area: where uniformly distributed random lines meet the surface
+/// (Crofton). Any implicit surface will do; parts thinner than a thousandth of the radius may be
+/// missed. Pre: the surface is not empty.
+ImplicitSamples sample_implicit(const ImplicitFunction& implicit, const SamplingDomain& domain,
+                                Index count, Random& random);
+
+/// Points evenly spread over the surface: of many uniform samples, in random order, those that keep
+/// a distance from all taken before; the distance falls until there are `count`.
+ImplicitSamples sample_implicit_blue_noise(const ImplicitFunction& implicit,
+                                           const SamplingDomain& domain, Index count,
+                                           Random& random);
+
+enum class ShapeKind {
+  sphere,
+  torus,
+  double_torus,
+  box,         ///< sharp edges, exactly planar faces along the axes
+  thin_plate,  ///< a box of thickness 0.08 and width 1.2
+  bowl,        ///< half a hollow sphere with a wall of 0.16 and a rounded rim: a deep cavity
+  two_spheres,
+  blob,        ///< a sphere with bumps and dents
+  hemisphere,  ///< open: a cap of the unit sphere
+};
+
+/// Every kind, and every closed one.
+const std::vector<ShapeKind>& all_shapes();
+const std::vector<ShapeKind>& closed_shapes();
+
+/// What is known about a shape. All lie within the ball of `radius` about the origin.
+struct Shape {
+  ShapeKind kind;
+  std::string name;
+  int genus;  ///< summed over the components
+  int components;
+  bool closed;
+  double radius;
+
+  double implicit(const Vec3& p) const;  ///< near the surface about the signed distance
+  Vec3 normal(const Vec3& p) const;      ///< unit, outward, by central differences
+  SamplingDomain domain() const;
+};
+Shape shape_of(ShapeKind kind);
+
+/// What happens to samples after they were taken; the defaults leave them on the surface.
+struct SampleDefects {
+  double noise = 0.0;     ///< deviation in every coordinate, x mean sample spacing
+  double outliers = 0.0;  ///< fraction of the samples that are replaced by points of a box
+                          ///< 1.5 times the bounding cube
+  bool rotated = false;   ///< turned by a fixed rotation, so that nothing lies along an axis
+};
+
+/// `count` samples of a shape, uniform by area, in random order; the same for the same seed.
+std::vector<Vec3> sample_shape(ShapeKind kind, Index count, unsigned seed,
+                               const SampleDefects& defects = {});
+/// As sample_shape, evenly spread.
+std::vector<Vec3> sample_shape_blue_noise(ShapeKind kind, Index count, unsigned seed,
+                                          const SampleDefects& defects = {});
+
+/// The unit sphere as an icosahedron whose faces were split into four `subdivisions` times:
+/// 10 * 4^subdivisions + 2 vertices.
+SurfaceMesh icosphere(int subdivisions);
+/// The torus of `ShapeKind::torus` (radii 0.75 and 0.25, axis z), major x minor vertices. Pre: both
+/// at least 3.
+SurfaceMesh torus_mesh(int major_segments, int minor_segments);
+
+}  // namespace shrinkwrap::testing

@@ -1,0 +1,92 @@
+// From the algorithm's result to a vcg mesh, with everything that the samples carried.
+#pragma once
+
+#include <vcg/complex/complex.h>
+
+#include <type_traits>
+#include <typeinfo>
+#include <vector>
+
+#include "point_cloud_from_vcg.h"
+#include "result_mesh.h"
+
+namespace shrinkwrap {
+namespace internal {
+
+constexpr std::size_t kNoVertex = static_cast<std::size_t>(-1);
+
+// Copies the custom per-vertex attributes of exactly one type, by sample. (The library's own
+// look-up takes any type of the same size for it.)
+template <class Value, class CloudMesh, class Mesh>
+void copy_vertex_attributes(const CloudMesh& cloud, const std::vector<std::size_t>& cloud_vertex,
+                            Mesh& mesh) {
+  for (const auto& attribute : cloud.vert_attr) {
+    if (attribute._name.empty() || attribute._padding != 0 || attribute._type != typeid(Value))
+      continue;
+    typename CloudMesh::template PerVertexAttributeHandle<Value> from(attribute._handle,
+                                                                      attribute.n_attr);
+    auto to =
+        vcg::tri::Allocator<Mesh>::template GetPerVertexAttribute<Value>(mesh, attribute._name);
+    for (std::size_t v = 0; v < cloud_vertex.size(); ++v)
+      to[v] = cloud_vertex[v] == kNoVertex ? Value() : from[cloud_vertex[v]];
+  }
+}
+
+// True if vertices and faces have normals of the type of the coordinates.
+template <class Mesh>
+constexpr bool has_normals() {
+  using Coordinates = typename Mesh::CoordType;
+  return std::is_same<typename Mesh::VertexType::NormalType, Coordinates>::value &&
+         std::is_same<typename Mesh::FaceType::NormalType, Coordinates>::value;
+}
+
+}  // namespace internal
+
+/// Replaces the content of `mesh` by a result. A vertex that stands for a sample gets what that
+/// vertex of the cloud has (of the components that both meshes have enabled: colour, quality,
+/// radius, texture coordinates ..., and custom attributes of type float, double, int and
+/// vcg::Point3): extra vertices get the defaults. Coordinates are the result's, normals, if there
+/// are any, are computed and point outwards, nothing is selected but `marked_faces`; the bounding
+/// box is updated. Pre: `result` was made from `points` of `cloud`. O(V + F).
+template <class CloudMesh, class Mesh>
+void mesh_to_vcg(const ResultMesh& result, const CloudMesh& cloud, const VcgPoints& points,
+                 Mesh& mesh, const std::vector<Index>& marked_faces = {}) {
+  using Coordinates = typename Mesh::CoordType;
+  using Scalar = typename Mesh::ScalarType;
+
+  mesh.Clear();
+  vcg::tri::Allocator<Mesh>::AddVertices(mesh, result.position.size());
+  vcg::tri::Allocator<Mesh>::AddFaces(mesh, result.triangles.size());
+
+  std::vector<std::size_t> cloud_vertex(result.position.size(), internal::kNoVertex);
+  for (std::size_t v = 0; v < result.position.size(); ++v) {
+    auto& vertex = mesh.vert[v];
+    if (const Index input = result.input_index[v]; input != kNone) {
+      cloud_vertex[v] = points.vertex_index[static_cast<std::size_t>(input)];
+      vertex.ImportData(cloud.vert[cloud_vertex[v]]);
+      vertex.Flags() = 0;
+    }
+    const Vec3& p = result.position[v];
+    vertex.P() = Coordinates(static_cast<Scalar>(p[0]), static_cast<Scalar>(p[1]),
+                             static_cast<Scalar>(p[2]));
+  }
+  for (std::size_t f = 0; f < result.triangles.size(); ++f)
+    for (int corner = 0; corner < 3; ++corner)
+      mesh.face[f].V(corner) = &mesh.vert[static_cast<std::size_t>(result.triangles[f][corner])];
+  for (const Index f : marked_faces) mesh.face[static_cast<std::size_t>(f)].SetS();
+
+  internal::copy_vertex_attributes<float>(cloud, cloud_vertex, mesh);
+  internal::copy_vertex_attributes<double>(cloud, cloud_vertex, mesh);
+  internal::copy_vertex_attributes<int>(cloud, cloud_vertex, mesh);
+  internal::copy_vertex_attributes<vcg::Point3f>(cloud, cloud_vertex, mesh);
+  internal::copy_vertex_attributes<vcg::Point3d>(cloud, cloud_vertex, mesh);
+
+  vcg::tri::UpdateBounding<Mesh>::Box(mesh);
+  if constexpr (internal::has_normals<Mesh>()) {
+    vcg::tri::UpdateNormal<Mesh>::PerFaceNormalized(mesh);
+    vcg::tri::UpdateNormal<Mesh>::PerVertexAngleWeighted(mesh);
+    vcg::tri::UpdateNormal<Mesh>::NormalizePerVertex(mesh);
+  }
+}
+
+}  // namespace shrinkwrap

@@ -1,0 +1,36 @@
+// The whole method in one call, for programs on vcglib.
+#pragma once
+
+#include <type_traits>
+
+#include "mesh_to_vcg.h"
+#include "point_cloud_from_vcg.h"
+#include "progress_from_vcg.h"
+#include "reconstruct.h"
+
+namespace shrinkwrap {
+
+/// Reconstructs `cloud` into `mesh`, whose content is replaced on success and left alone otherwise.
+/// Needs no normals. Throws InvalidInput, Cancelled or ReconstructionFailed. Returns what is known
+/// of the run; its mesh was moved out.
+///
+///     MyMesh cloud, mesh;
+///     vcg::tri::io::Importer<MyMesh>::Open(cloud, "cloud.ply");
+///     shrinkwrap::shrinkwrap_reconstruct(cloud, mesh);
+template <class CloudMesh, class Mesh>
+Reconstruction shrinkwrap_reconstruct(const CloudMesh& cloud, Mesh& mesh,
+                                      ReconstructionOptions options = {},
+                                      vcg::CallBackPos* callback = nullptr,
+                                      bool selected_only = false) {
+  options.host_scalar = std::is_same<typename Mesh::ScalarType, float>::value
+                            ? HostScalar::single_precision
+                            : HostScalar::double_precision;
+  const VcgPoints points = points_from_vcg(cloud, selected_only);
+  Progress progress(progress_from_vcg(callback), stages_of(options));
+  Reconstruction result = reconstruct(points.points, options, progress);
+  mesh_to_vcg(result.mesh, cloud, points, mesh);
+  result.mesh = ResultMesh();
+  return result;
+}
+
+}  // namespace shrinkwrap
