@@ -21,6 +21,7 @@ class BoxTree {
  public:
   using Box = std::array<float, 6>;  ///< lowest x, y, z, then highest x, y, z
 
+  BoxTree() = default;  ///< of no faces
   /// Leaves out faces with a coordinate that is not finite, with an index out of range or with one
   /// twice. Θ(F), parallel.
   BoxTree(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles,

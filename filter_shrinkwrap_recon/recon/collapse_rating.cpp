@@ -11,7 +11,8 @@ namespace {
 constexpr double kNormalWeight = 3.0;
 constexpr double kLeastCosine = 0.2;  // below, a new face counts as turned away
 constexpr double kTurnedWeight = 100.0;
-constexpr Index kMaxCandidates = 64;
+constexpr Index kMaxFaces = 1024;      // to rate for one vertex, unless ...
+constexpr Index kLeastCandidates = 8;  // ... there would be fewer candidates than this
 
 }  // namespace
 
@@ -34,7 +35,8 @@ void CollapseRating::rate(const SurfaceMesh& mesh, Index v) {
     normal += (point_[i] - center).cross(point_[i + 1 < valence ? i + 1 : 0] - center);
   normal = unit_or_zero(normal);
   candidate_.clear();
-  const Index stride = (valence + kMaxCandidates - 1) / kMaxCandidates;
+  const Index candidates = std::max(kMaxFaces / valence, kLeastCandidates);
+  const Index stride = (valence + candidates - 1) / candidates;
   for (Index i = 0; i < valence; i += stride)
     candidate_.push_back({cost_of(i, normal), halfedge_[i]});
 }

@@ -27,8 +27,8 @@ class CollapseRating {
   const std::vector<Index>& halfedges() const { return halfedge_; }
   const std::vector<Index>& neighbours() const { return neighbour_; }
 
-  /// Rates the collapses into all neighbours (64 evenly spread ones where there are more).
-  /// O(valence^2).
+  /// Rates the collapses into all neighbours, or into evenly spread ones where there are more
+  /// than 32. O(valence) for many neighbours, O(valence^2) for few.
   void rate(const SurfaceMesh& mesh, Index v);
   /// Cheapest first; ties in the order of the ring.
   Candidate& cheapest();

@@ -36,27 +36,20 @@ bool coordinates_less(const Vec3& p, const Vec3& q) {
 // Samples and vertices in one sequence, samples first.
 class Points {
  public:
-  Points(const std::vector<Vec3>& samples, const std::vector<Vec3>& vertices,
-         const std::vector<char>& vertex_is_used)
-      : samples_(samples), vertices_(vertices), used_(vertex_is_used) {}
+  Points(const std::vector<Vec3>& samples, const std::vector<Vec3>& vertices)
+      : samples_(samples), vertices_(vertices) {}
 
-  Index count() const { return static_cast<Index>(samples_.size() + vertices_.size()); }
+  Index count() const { return sample_count() + static_cast<Index>(vertices_.size()); }
   bool is_sample(Index i) const { return i < sample_count(); }
-  const Vec3& at(Index i) const { return is_sample(i) ? samples_[i] : vertices_[vertex(i)]; }
-  bool takes_part(Index i) const {
-    return (is_sample(i) || used_[vertex(i)] != 0) && at(i).allFinite();
-  }
-  bool is_used_but_not_finite(Index i) const {
-    return !is_sample(i) && used_[vertex(i)] != 0 && !at(i).allFinite();
+  const Vec3& at(Index i) const {
+    return is_sample(i) ? samples_[i] : vertices_[i - sample_count()];
   }
 
  private:
   Index sample_count() const { return static_cast<Index>(samples_.size()); }
-  std::size_t vertex(Index i) const { return static_cast<std::size_t>(i - sample_count()); }
 
   const std::vector<Vec3>& samples_;
   const std::vector<Vec3>& vertices_;
-  const std::vector<char>& used_;
 };
 
 // What is partitioned: 32 bits of the hash in the high half, the point in the low half.
@@ -68,7 +61,7 @@ Index point_of(HashedPoint hashed) {
 struct Partitions {
   std::vector<HashedPoint> hashed;
   std::vector<std::size_t> begin;  // of each partition, and the end
-  Index not_finite = 0;            // used vertices that are not
+  Index not_finite = 0;            // vertices that are not
 };
 
 // Points of equal coordinates get into one partition. Two passes over fixed blocks: count, scatter.
@@ -84,8 +77,10 @@ Partitions partition(const Points& points, Progress& progress) {
   parallel_blocks(count, grain, progress, [&](Index block, Index begin, Index end) {
     Block& own = blocks[block];
     for (Index i = begin; i < end; ++i) {
-      if (points.takes_part(i)) ++own.cursor[partition_of(hash_of(points.at(i)))];
-      if (points.is_used_but_not_finite(i)) ++own.not_finite;
+      if (points.at(i).allFinite())
+        ++own.cursor[partition_of(hash_of(points.at(i)))];
+      else if (!points.is_sample(i))
+        ++own.not_finite;
     }
   });
   Partitions result;
@@ -104,7 +99,7 @@ Partitions partition(const Points& points, Progress& progress) {
   parallel_blocks(count, grain, progress, [&](Index block, Index begin, Index end) {
     auto& cursor = blocks[block].cursor;
     for (Index i = begin; i < end; ++i) {
-      if (!points.takes_part(i)) continue;
+      if (!points.at(i).allFinite()) continue;
       const std::uint64_t hash = hash_of(points.at(i));
       result.hashed[cursor[partition_of(hash)]++] = hash << 32 | static_cast<std::uint32_t>(i);
     }
@@ -150,9 +145,8 @@ void tally_partition(const Points& points, HashedPoint* begin, HashedPoint* end,
 }  // namespace
 
 CoordinateMatches match_coordinates(const std::vector<Vec3>& samples,
-                                    const std::vector<Vec3>& vertices,
-                                    const std::vector<char>& vertex_is_used, Progress& progress) {
-  const Points points(samples, vertices, vertex_is_used);
+                                    const std::vector<Vec3>& vertices, Progress& progress) {
+  const Points points(samples, vertices);
   Partitions partitions = partition(points, progress);
   std::vector<CoordinateMatches> partial(kPartitions);
   HashedPoint* hashed = partitions.hashed.data();

@@ -16,10 +16,9 @@ struct CoordinateMatches {
   Index extra = 0;          ///< vertices at no sample
 };
 
-/// Matches samples and the vertices that are marked as used (the others are left out).
-/// O(N) expected, parallel; 16 bytes a sample and vertex while it runs.
+/// Matches samples and vertices. O(N) expected, parallel; 16 bytes a sample and vertex while it
+/// runs.
 CoordinateMatches match_coordinates(const std::vector<Vec3>& samples,
-                                    const std::vector<Vec3>& vertices,
-                                    const std::vector<char>& vertex_is_used, Progress& progress);
+                                    const std::vector<Vec3>& vertices, Progress& progress);
 
 }  // namespace shrinkwrap

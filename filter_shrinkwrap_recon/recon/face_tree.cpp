@@ -55,7 +55,7 @@ FaceTree::FloatBox FaceTree::box_of_face(Index f) const {
 FaceTree::FloatBox FaceTree::box_of_group(const Group& group) {
   FloatBox box;
   for (int axis = 0; axis < 3; ++axis) {
-    const auto &low = group.low[axis], &high = group.high[axis];
+    const Lanes &low = group.low[axis], &high = group.high[axis];
     box.low[axis] = std::min(std::min(low[0], low[1]), std::min(low[2], low[3]));
     box.high[axis] = std::max(std::max(high[0], high[1]), std::max(high[2], high[3]));
   }

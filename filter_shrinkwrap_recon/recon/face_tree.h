@@ -38,8 +38,9 @@ class FaceTree {
  private:
   static constexpr Index kWidth = 4;     // boxes to a node
   static constexpr int kMaxLevels = 16;  // 4^16 exceeds what an Index counts
+  using Lanes = Eigen::Array4f;
   struct Group {
-    std::array<std::array<float, kWidth>, 3> low, high;
+    std::array<Lanes, 3> low, high;  // per axis
   };
   struct FloatBox {
     std::array<float, 3> low, high;
@@ -95,24 +96,25 @@ FaceTree::Hit FaceTree::nearest(const Vec3& query, double squared_limit, Index h
   stack[top++] = {0.0f, levels_ - 1, 0};
   while (top > 0) {
     const Entry entry = stack[--top];
-    if (entry.bound >= best.squared_distance) continue;
+    const float limit = rounded_up(best.squared_distance);
+    if (!(entry.bound < limit)) continue;
     if (entry.level == kFace) {
       if (entry.index != hint) look_at(entry.index);
       continue;
     }
     const Group& node = group(entry.level, entry.index);
-    std::array<float, kWidth> bound{};
-    for (int axis = 0; axis < 3; ++axis)
-      for (Index lane = 0; lane < kWidth; ++lane) {
-        const float d = std::max(std::max(node.low[axis][lane] - box.high[axis], 0.0f),
-                                 box.low[axis] - node.high[axis][lane]);
-        bound[lane] += d * d;
-      }
-    // Nearest on top of the stack; the factor makes up for the rounding of the sum.
+    Lanes bound = Lanes::Zero();
+    for (int axis = 0; axis < 3; ++axis) {
+      const Lanes beyond_low = node.low[axis] - box.high[axis],
+                  beyond_high = box.low[axis] - node.high[axis];
+      bound += beyond_low.max(beyond_high).max(0.0f).square();
+    }
+    bound *= 0.999999f;
+    // Nearest on top of the stack; the factor above makes up for the rounding of the sum.
     const int bottom = top;
     for (Index lane = 0; lane < kWidth; ++lane) {
-      const float lower = bound[lane] * 0.999999f;
-      if (!(lower < best.squared_distance)) continue;
+      const float lower = bound[lane];
+      if (!(lower < limit)) continue;
       int slot = top++;
       for (; slot > bottom && stack[slot - 1].bound < lower; --slot) stack[slot] = stack[slot - 1];
       stack[slot] = {lower, entry.level - 1, kWidth * entry.index + lane};

@@ -9,41 +9,45 @@ namespace shrinkwrap {
 
 struct InitialMeshOptions {
   enum class Start {
-    winding_number,  ///< boundary of a voxel solid: genus, cavities and components of the sampled object
+    winding_number,  ///< boundary of a voxel solid: genus, cavities and components of the sampled
+                     ///< object
     bounding_box,    ///< the paper's: a subdivided box, genus 0
   };
   Start start = Start::winding_number;
 
   // winding_number; lengths in median spacings s
-  double voxel_size = 1.5;       ///< x s
-  double level = 0.4;            ///< solid where the field exceeds it (0.5 makes false handles, 0.3 suits half scans)
-  double blend_begin = 1.2;      ///< x local spacing: up to here from the samples the plane field alone decides
-  double blend_end = 2.5;        ///< x local spacing: from here on the winding number alone decides
+  double voxel_size = 1.5;  ///< x s
+  double level =
+      0.4;  ///< solid where the field exceeds it (0.5 makes false handles, 0.3 suits half scans)
+  double blend_begin =
+      1.2;  ///< x local spacing: up to here from the samples the plane field alone decides
+  double blend_end = 2.5;  ///< x local spacing: from here on the winding number alone decides
   Index min_component_samples = 30;  ///< solids and cavities supported by fewer samples are dropped
   int shrink_iterations = 6;
   double step = 0.5;             ///< part of the way to the target per iteration
   double max_step = 0.7;         ///< x s
   int smoothing_iterations = 3;  ///< of the first iterations: full Laplacian of weight `smoothing`
   double smoothing = 0.5;
-  double relaxation = 0.3;       ///< tangential weight of the later iterations
+  double relaxation = 0.3;  ///< tangential weight of the later iterations
 
   // bounding_box: eq. 3 to 8
-  int levels = -1;               ///< 1-to-4 subdivisions of the box; -1: the largest with at most N/4 vertices
-  double projection = 0.85;      ///< xi of eq. 5
-  double box_relaxation = 0.2;   ///< eta of eq. 8
+  int levels = -1;  ///< 1-to-4 subdivisions of the box; -1: the largest with at most N/4 vertices
+  double projection = 0.85;     ///< xi of eq. 5
+  double box_relaxation = 0.2;  ///< eta of eq. 8
   int iterations_per_level = 5;
 };
 
 struct InitialMeshReport {
-  Index components = 0;          ///< of the solid
+  Index components = 0;  ///< of the solid
   Index cavities = 0;
-  Index dropped = 0;             ///< solids and cavities with too few samples
-  double samples_with_solid_behind = 1.0;  ///< fraction that has solid 1 to 3 s behind it: below 0.999 is suspect
-  int levels = 0;                ///< bounding_box only
+  Index dropped = 0;  ///< solids and cavities with too few samples
+  double samples_with_solid_behind =
+      1.0;         ///< fraction that has solid 1 to 3 s behind it: below 0.999 is suspect
+  int levels = 0;  ///< bounding_box only
 };
 
 struct InitialMesh {
-  SurfaceMesh mesh;              ///< closed 2-manifold, canonical order
+  SurfaceMesh mesh;  ///< closed 2-manifold, canonical order
   InitialMeshReport report;
 };
 

@@ -46,11 +46,44 @@ bool is_degenerate(const Triangle& t, Index vertices) {
   return std::any_of(t.begin(), t.end(), [&](Index v) { return v < 0 || v >= vertices; });
 }
 
-// The corners (3 face + place in the face) at each vertex, but for degenerate faces.
+// What the faces use of a mesh: vertices numbered in the order in which faces come to them, so that
+// neighbours are near each other in memory whatever the order of the vertices was.
+struct UsedMesh {
+  std::vector<Vec3> position;
+  std::vector<Triangle> triangle;  // but for degenerate ones
+  Index degenerate_faces = 0;
+};
+
+UsedMesh find_used(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles,
+                   Progress& progress) {
+  UsedMesh used;
+  used.position.reserve(positions.size());
+  used.triangle.reserve(triangles.size());
+  std::vector<Index> new_index(positions.size(), kNone);
+  const Index vertices = static_cast<Index>(positions.size());
+  for (std::size_t f = 0; f < triangles.size(); ++f) {
+    if (f % kUpdateInterval == 0) progress.update(static_cast<double>(f) / triangles.size());
+    Triangle t = triangles[f];
+    if (is_degenerate(t, vertices)) {
+      ++used.degenerate_faces;
+      continue;
+    }
+    for (Index& v : t) {
+      if (new_index[v] == kNone) {
+        new_index[v] = static_cast<Index>(used.position.size());
+        used.position.push_back(positions[v]);
+      }
+      v = new_index[v];
+    }
+    used.triangle.push_back(t);
+  }
+  return used;
+}
+
+// The corners (3 face + place in the face) at each vertex.
 struct Incidence {
   std::vector<Index> begin;  // of each vertex in `corner`, and the end
   std::vector<Index> corner;
-  Index degenerate_faces = 0;
 };
 
 Incidence find_incidence(Index vertices, const std::vector<Triangle>& triangles,
@@ -58,22 +91,15 @@ Incidence find_incidence(Index vertices, const std::vector<Triangle>& triangles,
   Incidence incidence;
   incidence.begin.assign(static_cast<std::size_t>(vertices) + 1, 0);
   const Index faces = static_cast<Index>(triangles.size());
-  const auto poll = [&](Index f, double done) {
-    if (f % kUpdateInterval == 0) progress.update(done + 0.5 * f / faces);
-  };
   for (Index f = 0; f < faces; ++f) {
-    poll(f, 0.0);
-    if (is_degenerate(triangles[f], vertices))
-      ++incidence.degenerate_faces;
-    else
-      for (Index v : triangles[f]) ++incidence.begin[v + 1];
+    if (f % kUpdateInterval == 0) progress.update(0.5 * f / faces);
+    for (Index v : triangles[f]) ++incidence.begin[v + 1];
   }
   std::partial_sum(incidence.begin.begin(), incidence.begin.end(), incidence.begin.begin());
   incidence.corner.resize(incidence.begin.back());
   std::vector<Index> cursor(incidence.begin.begin(), incidence.begin.end() - 1);
   for (Index f = 0; f < faces; ++f) {
-    poll(f, 0.5);
-    if (incidence.degenerate_faces > 0 && is_degenerate(triangles[f], vertices)) continue;
+    if (f % kUpdateInterval == 0) progress.update(0.5 + 0.5 * f / faces);
     for (Index i = 0; i < 3; ++i) incidence.corner[cursor[triangles[f][i]]++] = 3 * f + i;
   }
   return incidence;
@@ -85,12 +111,11 @@ struct BorderEdge {
 };
 
 struct EdgeCounts {
-  Index vertices = 0, edges = 0;
+  Index edges = 0;
   Index nonmanifold_edges = 0, nonmanifold_vertices = 0, misoriented_edges = 0;
   std::vector<BorderEdge> border;
 
   void add(const EdgeCounts& other) {
-    vertices += other.vertices;
     edges += other.edges;
     nonmanifold_edges += other.nonmanifold_edges;
     nonmanifold_vertices += other.nonmanifold_vertices;
@@ -106,15 +131,13 @@ class StarWalker {
              std::vector<Index>& next_face)
       : triangles_(triangles), incidence_(incidence), next_face_(next_face) {}
 
-  /// Counts the vertex, what its faces are to each other, and the edges to higher vertices. For
+  /// Counts what the faces of the vertex are to each other, and its edges to higher vertices. For
   /// these, chains the faces at the edge: `next_face` of a half-edge is another face there, or
   /// kNone.
   void visit(Index v, EdgeCounts& counts) {
     const Index first = incidence_.begin[v];
     const Index faces = incidence_.begin[v + 1] - first;
-    if (faces == 0) return;
     gather_spokes(first, faces);
-    ++counts.vertices;
     together_.clear(faces);
     Index fans = faces;
     bool edges_are_manifold = true;
@@ -208,27 +231,22 @@ Index count_border_loops(const std::vector<BorderEdge>& border) {
 }
 
 struct Components {
-  std::vector<Index> of_face;  // lowest face of the component; kNone for degenerate faces
+  std::vector<Index> of_face;  // lowest face of the component
   Index count = 0;
 };
 
-Components find_components(const std::vector<Triangle>& triangles, Index vertices,
-                           const std::vector<Index>& next_face, Progress& progress) {
-  const Index faces = static_cast<Index>(triangles.size());
-  Components components;
+Components find_components(const std::vector<Index>& next_face, Progress& progress) {
+  const Index faces = static_cast<Index>(next_face.size() / 3);
   DisjointSets sets(faces);
+  Components components;
+  components.count = faces;
   for (Index f = 0; f < faces; ++f) {
     if (f % kUpdateInterval == 0) progress.update(static_cast<double>(f) / faces);
     for (Index h = 3 * f; h < 3 * f + 3; ++h)
-      if (next_face[h] != kNone) sets.unite(f, next_face[h]);
+      if (next_face[h] != kNone && sets.unite(f, next_face[h])) --components.count;
   }
-  components.of_face.resize(triangles.size(), kNone);
-  for (Index f = 0; f < faces; ++f) {
-    if (f % kUpdateInterval == 0) progress.update(1.0);
-    if (is_degenerate(triangles[f], vertices)) continue;
-    components.of_face[f] = sets.find(f);
-    if (components.of_face[f] == f) ++components.count;
-  }
+  components.of_face.resize(faces);
+  for (Index f = 0; f < faces; ++f) components.of_face[f] = sets.find(f);
   return components;
 }
 
@@ -253,7 +271,6 @@ void measure_volume(const std::vector<Vec3>& positions, const std::vector<Triang
   for (Index f = 0; f < faces; ++f) {
     if (f % kUpdateInterval == 0) progress.update(static_cast<double>(f) / faces);
     const Index component = components.of_face[f];
-    if (component == kNone) continue;
     volume[component] += volume_under(positions, triangles[f], apex) / 6.0;
   }
   for (Index f = 0; f < faces; ++f) {
@@ -264,43 +281,34 @@ void measure_volume(const std::vector<Vec3>& positions, const std::vector<Triang
   if (!report.closed()) report.volume = 0.0;
 }
 
-// Everything but self-intersections and samples. Returns which vertices are used.
-std::vector<char> measure_topology(const std::vector<Vec3>& positions,
-                                   const std::vector<Triangle>& triangles, MeshReport& report,
-                                   Progress& progress) {
-  const Index vertices = static_cast<Index>(positions.size());
-  std::vector<char> is_used(positions.size(), 0);
-  std::vector<Index> next_face(3 * triangles.size(), kNone);
+// Everything but the samples and self-intersections.
+void measure_topology(const UsedMesh& mesh, MeshReport& report, Progress& progress) {
+  std::vector<Index> next_face(3 * mesh.triangle.size(), kNone);
   EdgeCounts counts;
-  progress.set_range(0.0, 0.1);
+  report.vertices = static_cast<Index>(mesh.position.size());
   {
-    const Incidence incidence = find_incidence(vertices, triangles, progress);
-    for (Index v = 0; v < vertices; ++v)
-      is_used[v] = incidence.begin[v] < incidence.begin[v + 1] ? 1 : 0;
-    report.degenerate_faces = incidence.degenerate_faces;
-    progress.set_range(0.1, 0.25);
-    counts = count_edges(triangles, incidence, next_face, progress);
+    progress.set_range(0.1, 0.15);
+    const Incidence incidence = find_incidence(report.vertices, mesh.triangle, progress);
+    progress.set_range(0.15, 0.25);
+    counts = count_edges(mesh.triangle, incidence, next_face, progress);
   }
-  report.vertices = counts.vertices;
   report.edges = counts.edges;
-  report.faces = static_cast<Index>(triangles.size());
   report.border_edges = static_cast<Index>(counts.border.size());
   report.border_loops = count_border_loops(counts.border);
   report.nonmanifold_edges = counts.nonmanifold_edges;
   report.nonmanifold_vertices = counts.nonmanifold_vertices;
   report.misoriented_edges = counts.misoriented_edges;
 
-  progress.set_range(0.25, 0.35);
-  const Components components = find_components(triangles, vertices, next_face, progress);
+  progress.set_range(0.25, 0.3);
+  const Components components = find_components(next_face, progress);
   report.components = components.count;
   if (report.manifold()) {
     // Every opening gets a cap: one more face.
     const Index euler = report.vertices - report.edges + report.faces + report.border_loops;
     report.genus = report.components - euler / 2;
   }
-  progress.set_range(0.35, 0.4);
-  measure_volume(positions, triangles, components, counts.border, report, progress);
-  return is_used;
+  progress.set_range(0.3, 0.35);
+  measure_volume(mesh.position, mesh.triangle, components, counts.border, report, progress);
 }
 
 std::string counted(Index count, const char* singular, const char* plural) {
@@ -331,18 +339,22 @@ MeshReport measure_mesh(const std::vector<Vec3>& positions, const std::vector<Tr
                         const std::vector<Vec3>& samples, const MeshReportOptions& options,
                         Progress& progress) {
   MeshReport report;
-  const std::vector<char> is_used = measure_topology(positions, triangles, report, progress);
-  progress.set_range(0.4, 0.5);
-  const CoordinateMatches matches = match_coordinates(samples, positions, is_used, progress);
+  progress.set_range(0.0, 0.1);
+  const UsedMesh mesh = find_used(positions, triangles, progress);
+  report.faces = static_cast<Index>(triangles.size());
+  report.degenerate_faces = mesh.degenerate_faces;
+  measure_topology(mesh, report, progress);
+  progress.set_range(0.35, 0.4);
+  const CoordinateMatches matches = match_coordinates(samples, mesh.position, progress);
   report.samples = matches.samples;
   report.samples_matched = matches.matched;
   report.samples_missing = matches.missing;
   report.samples_matched_twice = matches.matched_twice;
   report.vertices_extra = matches.extra;
-  progress.set_range(0.5, 1.0);
+  progress.set_range(0.4, 1.0);
   if (options.count_self_intersections)
     report.self_intersecting_faces =
-        static_cast<Index>(self_intersecting_faces(positions, triangles, progress).size());
+        static_cast<Index>(self_intersecting_faces(mesh.position, mesh.triangle, progress).size());
   progress.set_range(0.0, 1.0);
   return report;
 }

@@ -13,27 +13,28 @@ struct ParametricSurfaceOptions {
     nearest_sample,  ///< p* of eq. 14 as printed
   };
   Target target = Target::tangent_plane;
-  int subdivisions = 2;           ///< a third is added while there are fewer vertices than half the samples
-  int iterations = 5;             ///< fitting iterations after each subdivision
-  double attraction = 0.7;        ///< lambda of eq. 14, in [0, 1]
-  double relaxation = 0.2;        ///< tangential, per iteration
-  bool move_to_limit = true;      ///< return limit positions (eq. 13) in place of control positions
+  int subdivisions = 2;  ///< a third is added while there are fewer vertices than half the samples
+  int iterations = 5;    ///< fitting iterations after each subdivision
+  double attraction = 0.7;    ///< lambda of eq. 14, in [0, 1]
+  double relaxation = 0.2;    ///< tangential, per iteration
+  bool move_to_limit = true;  ///< return limit positions (eq. 13) in place of control positions
 };
 
 struct ParametricSurfaceReport {
   Index vertices = 0;
   int subdivisions = 0;
-  double mean_distance = 0.0;     ///< of the vertices from their targets, x spacing
-  double max_distance = 0.0;      ///< x spacing, membranes left out
-  Index membrane_vertices = 0;    ///< only smoothed: no sample supports the surface there
+  double mean_distance = 0.0;   ///< of the vertices from their targets, x spacing
+  double max_distance = 0.0;    ///< x spacing, membranes left out
+  Index membrane_vertices = 0;  ///< only smoothed: no sample supports the surface there
 };
 
 struct ParametricSurface {
-  SurfaceMesh mesh;               ///< same topology as the control mesh, canonical order
+  SurfaceMesh mesh;  ///< same topology as the control mesh, canonical order
   ParametricSurfaceReport report;
 };
 
-/// Weight beta of Loop's rule for valence K: 3/16 for K = 3, else (1/K)(5/8 - (3/8 + cos(2 pi/K)/4)^2).
+/// Weight beta of Loop's rule for valence K: 3/16 for K = 3, else (1/K)(5/8 - (3/8 + cos(2
+/// pi/K)/4)^2).
 double loop_beta(Index valence);
 /// Weight chi of eq. 13: limit position = v + chi * sum of (v_j - v) over the one-ring.
 double loop_limit_weight(Index valence);
@@ -41,7 +42,9 @@ double loop_limit_weight(Index valence);
 SurfaceMesh loop_subdivide(const SurfaceMesh& mesh);
 
 /// Subdivides and fits. Pre: for tangent_plane, `orient_normals` was called on the cloud.
-ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud& cloud, const VoxelSearch& search,
-                                          const ParametricSurfaceOptions& options, Progress& progress);
+ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud& cloud,
+                                          const VoxelSearch& search,
+                                          const ParametricSurfaceOptions& options,
+                                          Progress& progress);
 
 }  // namespace shrinkwrap

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <atomic>
 
-#include "box_tree.h"
 #include "parallel.h"
-#include "triangle_pair.h"
 
 namespace shrinkwrap {
 namespace {
@@ -17,9 +15,15 @@ constexpr Index kClusterGrain = 8;  // a block takes about a millisecond
 std::vector<std::pair<Index, Index>> self_intersections(const std::vector<Vec3>& positions,
                                                         const std::vector<Triangle>& triangles,
                                                         Progress& progress) {
-  using Pair = std::pair<Index, Index>;
   const BoxTree tree(positions, triangles, progress);
-  const TrianglePairs test(positions);
+  return self_intersections(tree, TrianglePairs(positions), triangles, progress);
+}
+
+std::vector<std::pair<Index, Index>> self_intersections(const BoxTree& tree,
+                                                        const TrianglePairs& test,
+                                                        const std::vector<Triangle>& triangles,
+                                                        Progress& progress) {
+  using Pair = std::pair<Index, Index>;
   std::vector<Pair> pairs = parallel_collect<Pair>(
       tree.cluster_count(), kClusterGrain, progress, [&](Index begin, Index end, auto& found) {
         for (Index cluster = begin; cluster < end; ++cluster)

@@ -4,8 +4,10 @@
 #include <utility>
 #include <vector>
 
+#include "box_tree.h"
 #include "progress.h"
 #include "surface_mesh.h"
+#include "triangle_pair.h"
 
 namespace shrinkwrap {
 
@@ -14,6 +16,12 @@ namespace shrinkwrap {
 /// Degenerate faces (collinear corners), removed ones, and faces with corners that are not finite
 /// are left out. O(F log F) for a surface, and in the number of pairs.
 std::vector<std::pair<Index, Index>> self_intersections(const std::vector<Vec3>& positions,
+                                                        const std::vector<Triangle>& triangles,
+                                                        Progress& progress);
+
+/// The same with a tree and a pair test made of the positions and triangles beforehand.
+std::vector<std::pair<Index, Index>> self_intersections(const BoxTree& tree,
+                                                        const TrianglePairs& test,
                                                         const std::vector<Triangle>& triangles,
                                                         Progress& progress);
 

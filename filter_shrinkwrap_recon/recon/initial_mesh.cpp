@@ -1,0 +1,108 @@
+#include "initial_mesh.h"
+
+#include <algorithm>
+
+#include "bounding_box_start.h"
+#include "one_ring.h"
+#include "parallel.h"
+#include "tangent_target.h"
+#include "voxel_solid.h"
+#include "winding_number.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr Index kGrain = 1 << 11;
+// Weight of the Laplacian where no sample holds the mesh.
+constexpr double kMembraneSmoothing = 0.5;
+
+// Shrinks the mesh towards the planes of the samples of its own side, all vertices at once (eq.
+// 4-8, with the plane in place of the nearest sample, which folds the mesh in concavities).
+void shrink(SurfaceMesh& mesh, const PointCloud& cloud, const VoxelSearch& search,
+            const InitialMeshOptions& options, Progress& progress) {
+  const TangentTarget tangent(cloud, search);
+  const double max_step = options.max_step * cloud.spacing;
+  std::vector<Index> hint(mesh.position.size(), kNone);
+  std::vector<Vec3> moved(mesh.position.size());
+  for (int iteration = 0; iteration < options.shrink_iterations; ++iteration) {
+    progress.set_range(0.7 + 0.3 * iteration / options.shrink_iterations,
+                       0.7 + 0.3 * (iteration + 1) / options.shrink_iterations);
+    const bool smoothing = iteration < options.smoothing_iterations;
+    parallel_for_each(mesh.vertex_slots(), kGrain, progress, [&](Index v) {
+      const OneRing ring = gather_one_ring(mesh, v);
+      const Vec3 laplacian = ring.laplacian(), &p = mesh.position[v];
+      const TangentTarget::Target target = tangent.find(p, ring.normal, p + laplacian, hint[v]);
+      hint[v] = target.nearest;
+      if (target.is_membrane) {
+        moved[v] = p + kMembraneSmoothing * laplacian;
+        return;
+      }
+      Vec3 step = options.step * (target.point - p);
+      const double length = step.norm();
+      if (length > max_step) step *= max_step / length;
+      moved[v] =
+          p + step +
+          (smoothing
+               ? Vec3(options.smoothing * laplacian)
+               : Vec3(options.relaxation * (laplacian - laplacian.dot(ring.normal) * ring.normal)));
+    });
+    mesh.position.swap(moved);
+  }
+}
+
+double fraction_with_solid_behind(const PointCloud& cloud, const VoxelSolid& solid) {
+  Progress silent;
+  const Index supported =
+      parallel_sum(cloud.size(), kGrain, silent, Index{0}, [&](Index begin, Index end) {
+        Index count = 0;
+        for (Index i = begin; i < end; ++i)
+          for (double depth = 1.0; depth <= 3.0; depth += 0.5)
+            if (solid.contains(cloud.position[i] -
+                               depth * cloud.spacing * cloud.normal[i].cast<double>())) {
+              ++count;
+              break;
+            }
+        return count;
+      });
+  return static_cast<double>(supported) / cloud.size();
+}
+
+}  // namespace
+
+InitialMesh make_initial_mesh(const PointCloud& cloud, const VoxelSearch& search,
+                              const InitialMeshOptions& options, Progress& progress) {
+  if (options.start == InitialMeshOptions::Start::bounding_box)
+    return shrink_bounding_box(cloud, search, options, progress);
+  progress.begin(Stage::initial_mesh);
+  InitialMesh result;
+  {
+    const WindingNumber winding(cloud);
+    VoxelSolid solid(cloud, winding, options, progress);
+    const Index min_samples =
+        std::clamp<Index>(cloud.size() / 100, 4, options.min_component_samples);
+    progress.set_range(0.6, 0.7);
+    solid.make_well_composed(progress);
+    result.report.samples_with_solid_behind = fraction_with_solid_behind(cloud, solid);
+    result.mesh = solid.boundary(min_samples, result.report.dropped);
+    if (result.mesh.face_count() == 0) {
+      solid.fill_near_samples();
+      solid.make_well_composed(progress);
+      result.mesh = solid.boundary(1, result.report.dropped);
+    }
+  }
+  if (result.mesh.face_count() == 0)
+    throw ReconstructionFailed(
+        "no solid was found around the samples: try a larger voxel size or a lower level");
+  const MeshComponents components = connected_components(result.mesh);
+  std::vector<double> volume(static_cast<std::size_t>(components.count), 0.0);
+  for (Index f = 0; f < result.mesh.face_slots(); ++f) {
+    const Triangle t = result.mesh.triangle(f);
+    const auto& p = result.mesh.position;
+    volume[components.of_vertex[t[0]]] += p[t[0]].dot(p[t[1]].cross(p[t[2]]));
+  }
+  for (const double v : volume) ++(v > 0.0 ? result.report.components : result.report.cavities);
+  shrink(result.mesh, cloud, search, options, progress);
+  return result;
+}
+
+}  // namespace shrinkwrap

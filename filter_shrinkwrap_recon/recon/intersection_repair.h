@@ -1,0 +1,41 @@
+// Self-intersections flipped away: the vertices are samples, so only the edges between them can
+// change.
+#pragma once
+
+#include "progress.h"
+#include "surface_mesh.h"
+
+namespace shrinkwrap {
+
+struct RepairOptions {
+  int max_rounds = 64;     ///< passes over the edges near the faces that still meet others
+  int max_look_ahead = 4;  ///< flips that are tried together where fewer do not help
+  /// Hinges looked at, for each face that meets another at the start: bounds the time (some 5 ms a
+  /// face).
+  Index max_trials_per_face = 2000;
+  /// Cosine of the sharpest angle between the normals of neighbours that a flip may make anew, as
+  /// long as there is another way.
+  double fold_guard = -0.3;
+};
+
+struct RepairReport {
+  Index before = 0;  ///< pairs of faces that meet
+  Index after = 0;
+  Index faces_before = 0;  ///< in such pairs
+  Index faces_after = 0;
+  Index flips = 0;
+  int rounds = 0;
+};
+
+/// Flips edges near faces that meet others while that lowers the number of pairs, or, at the same
+/// number, unfolds the hinge; where no flip does, looks for two and more neighbouring ones that do
+/// together. Sharper folds than the guard allows are made only where all this fails, and unfolded
+/// at the end if that costs no pair. Vertices neither move nor vanish, no face becomes degenerate,
+/// and the mesh stays a closed 2-manifold of the same genus. `after` is never above `before`.
+///
+/// Finding the pairs costs as much as `self_intersections`; the rest is proportional to the number
+/// of faces in them. Deterministic.
+RepairReport repair_self_intersections(SurfaceMesh& mesh, const RepairOptions& options,
+                                       Progress& progress);
+
+}  // namespace shrinkwrap

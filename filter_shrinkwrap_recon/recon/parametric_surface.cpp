@@ -1,0 +1,223 @@
+#include "parametric_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "one_ring.h"
+#include "parallel.h"
+#include "tangent_target.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr Index kGrain = 1 << 11;
+constexpr Index kTableSize = 64;
+constexpr double kPi = 3.14159265358979323846;
+// Tangential weight of a vertex that no sample holds.
+constexpr double kMembraneRelaxation = 0.3;
+
+double limit_weight_of(double beta, Index valence) {
+  return 1.0 / (3.0 / (8.0 * beta) + valence);
+}
+
+// eq. 13 for the valences that occur, so that the inner loop has no cosine.
+std::array<double, kTableSize> limit_weights() {
+  std::array<double, kTableSize> table{};
+  for (Index valence = 3; valence < kTableSize; ++valence)
+    table[valence] = limit_weight_of(loop_beta(valence), valence);
+  return table;
+}
+
+struct Distances {
+  double sum = 0.0, greatest = 0.0;
+  Index held = 0, membrane = 0;
+  Distances& operator+=(const Distances& other) {
+    sum += other.sum;
+    greatest = std::max(greatest, other.greatest);
+    held += other.held;
+    membrane += other.membrane;
+    return *this;
+  }
+};
+
+class Fitting {
+ public:
+  Fitting(const PointCloud& cloud, const VoxelSearch& search,
+          const ParametricSurfaceOptions& options)
+      : cloud_(cloud),
+        search_(search),
+        options_(options),
+        tangent_(cloud, search),
+        weight_(limit_weights()) {}
+
+  // One Jacobi iteration of eq. 14; returns how far the limit positions were from their targets
+  // before it.
+  Distances iterate(SurfaceMesh& mesh, std::vector<Index>& hint, Progress& progress) const {
+    const Index vertices = mesh.vertex_slots();
+    hint.resize(mesh.position.size(), kNone);
+    std::vector<Vec3> moved(mesh.position.size());
+    const Distances distances =
+        parallel_sum(vertices, kGrain, progress, Distances(), [&](Index begin, Index end) {
+          Distances block;
+          for (Index v = begin; v < end; ++v) moved[v] = move(mesh, v, hint[v], block);
+          return block;
+        });
+    mesh.position = std::move(moved);
+    return distances;
+  }
+
+  Vec3 limit_position(const SurfaceMesh& mesh, Index v, const OneRing& ring) const {
+    const double weight =
+        ring.valence < kTableSize ? weight_[ring.valence] : loop_limit_weight(ring.valence);
+    return mesh.position[v] + weight * ring.difference_sum;
+  }
+
+  void move_to_limit(SurfaceMesh& mesh) const {
+    std::vector<Vec3> limit(mesh.position.size());
+    Progress silent;
+    parallel_for_each(mesh.vertex_slots(), kGrain, silent, [&](Index v) {
+      limit[v] = limit_position(mesh, v, gather_one_ring(mesh, v));
+    });
+    mesh.position = std::move(limit);
+  }
+
+ private:
+  Vec3 move(const SurfaceMesh& mesh, Index v, Index& hint, Distances& distances) const {
+    const OneRing ring = gather_one_ring(mesh, v);
+    const Vec3 limit = limit_position(mesh, v, ring);
+    const Vec3 laplacian = ring.laplacian();
+    const Vec3 tangential = laplacian - laplacian.dot(ring.normal) * ring.normal;
+    Vec3 target;
+    if (options_.target == ParametricSurfaceOptions::Target::nearest_sample) {
+      target = nearest_sample(limit);
+    } else {
+      const TangentTarget::Target found =
+          tangent_.find(limit, ring.normal, mesh.position[v] + laplacian, hint);
+      hint = found.nearest;
+      if (found.is_membrane) {
+        ++distances.membrane;
+        return mesh.position[v] + kMembraneRelaxation * tangential;
+      }
+      target = found.point;
+    }
+    const Vec3 attraction = target - limit;
+    const double distance = attraction.norm();
+    distances.sum += distance;
+    distances.greatest = std::max(distances.greatest, distance);
+    ++distances.held;
+    return mesh.position[v] + options_.attraction * attraction + options_.relaxation * tangential;
+  }
+
+  Vec3 nearest_sample(const Vec3& query) const {
+    return cloud_.position[search_.nearest(query).index];
+  }
+
+  const PointCloud& cloud_;
+  const VoxelSearch& search_;
+  const ParametricSurfaceOptions& options_;
+  TangentTarget tangent_;
+  std::array<double, kTableSize> weight_;
+};
+
+}  // namespace
+
+double loop_beta(Index valence) {
+  if (valence == 3) return 3.0 / 16.0;
+  const double c = 3.0 / 8.0 + std::cos(2.0 * kPi / valence) / 4.0;
+  return (5.0 / 8.0 - c * c) / valence;
+}
+
+double loop_limit_weight(Index valence) {
+  return limit_weight_of(loop_beta(valence), valence);
+}
+
+SurfaceMesh loop_subdivide(const SurfaceMesh& mesh) {
+  // Face f becomes 4f (at its first corner), 4f+1, 4f+2 (at the others) and 4f+3 (in the middle);
+  // the vertex of an edge is numbered after the old vertices, in order of the edge's lower
+  // half-edge.
+  const Index vertices = mesh.vertex_slots(), halfedges = mesh.halfedge_slots(),
+              faces = mesh.face_slots();
+  std::vector<Index> edge_vertex(static_cast<std::size_t>(halfedges));
+  Index next_vertex = vertices;
+  for (Index h = 0; h < halfedges; ++h)
+    if (h < mesh.twin(h)) edge_vertex[h] = edge_vertex[mesh.twin(h)] = next_vertex++;
+
+  Progress silent;
+  std::vector<Vec3> position(static_cast<std::size_t>(next_vertex));
+  parallel_for_each(vertices, kGrain, silent, [&](Index v) {
+    Vec3 sum = Vec3::Zero();
+    Index valence = 0;
+    mesh.for_each_outgoing(v, [&](Index h) {
+      sum += mesh.position[mesh.target(h)];
+      ++valence;
+    });
+    const double beta = loop_beta(valence);
+    position[v] = (1.0 - valence * beta) * mesh.position[v] + beta * sum;
+  });
+  parallel_for_each(halfedges, kGrain, silent, [&](Index h) {
+    const Index o = mesh.twin(h);
+    if (h > o) return;
+    position[edge_vertex[h]] =
+        0.375 * (mesh.position[mesh.origin(h)] + mesh.position[mesh.origin(o)]) +
+        0.125 * (mesh.position[mesh.opposite(h)] + mesh.position[mesh.opposite(o)]);
+  });
+
+  std::vector<Index> origin(4 * static_cast<std::size_t>(halfedges)), twin(origin.size());
+  parallel_for_each(faces, kGrain, silent, [&](Index f) {
+    const Index base = 12 * f, middle = base + 9;
+    for (Index corner = 0; corner < 3; ++corner) {
+      const Index h = 3 * f + corner, before = SurfaceMesh::prev(h);
+      // Corner triangle: old vertex, vertex of the edge after it, vertex of the edge before it.
+      const Index g = base + 3 * corner;
+      origin[g] = mesh.origin(h);
+      origin[g + 1] = edge_vertex[h];
+      origin[g + 2] = edge_vertex[before];
+      origin[middle + corner] = edge_vertex[h];
+      // The corner's inner edge runs from edge_vertex[h] to edge_vertex[before], the middle's back.
+      twin[g + 1] = middle + before % 3;
+      twin[middle + before % 3] = g + 1;
+      // The first half of h meets the second half of its twin, and the other way round.
+      const Index o = mesh.twin(h), after_o = SurfaceMesh::next(o);
+      twin[g] = 12 * SurfaceMesh::face(o) + 3 * (after_o % 3) + 2;
+      const Index o_before = mesh.twin(before);
+      twin[g + 2] = 12 * SurfaceMesh::face(o_before) + 3 * (o_before % 3);
+    }
+  });
+  return SurfaceMesh::from_halfedges(std::move(position), std::move(origin), std::move(twin));
+}
+
+ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud& cloud,
+                                          const VoxelSearch& search,
+                                          const ParametricSurfaceOptions& options,
+                                          Progress& progress) {
+  progress.begin(Stage::parametric_surface);
+  ParametricSurface result;
+  const Fitting fitting(cloud, search, options);
+  SurfaceMesh mesh = std::move(control);
+  Distances distances;
+  for (int level = 0; level < options.subdivisions ||
+                      (mesh.vertex_count() < cloud.size() / 2 && level <= options.subdivisions);
+       ++level) {
+    mesh = loop_subdivide(mesh);
+    mesh.compact();
+    ++result.report.subdivisions;
+    std::vector<Index> hint;
+    for (int iteration = 0; iteration < options.iterations; ++iteration) {
+      const double share =
+          (level == 0 ? 0.0 : 0.2) + (level == 0 ? 0.2 : 0.8) * iteration / options.iterations;
+      progress.set_range(share, share + (level == 0 ? 0.2 : 0.8) / options.iterations);
+      distances = fitting.iterate(mesh, hint, progress);
+    }
+  }
+  if (options.move_to_limit) fitting.move_to_limit(mesh);
+  const double spacing = cloud.spacing;
+  result.report.vertices = mesh.vertex_count();
+  result.report.membrane_vertices = distances.membrane;
+  result.report.mean_distance = distances.held > 0 ? distances.sum / distances.held / spacing : 0.0;
+  result.report.max_distance = distances.greatest / spacing;
+  result.mesh = std::move(mesh);
+  return result;
+}
+
+}  // namespace shrinkwrap
