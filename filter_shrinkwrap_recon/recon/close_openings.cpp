@@ -89,22 +89,37 @@ class OpeningCloser {
   }
 
   // Whether the fresh faces meet each other, or any but those that they replace.
-  bool fresh_cuts() const {
+  bool fresh_cuts() {
+    box_.clear();
     for (std::size_t i = 0; i < fresh_.size(); ++i) {
-      const Triangle& t = fresh_[i];
-      if (is_degenerate(t)) return true;
+      if (is_degenerate(fresh_[i])) return true;
       for (std::size_t j = 0; j < i; ++j)
-        if (pairs_.meet(t, fresh_[j])) return true;
-      bool meets = false;
-      boxes_.for_each_overlap(boxes_.box_of(mesh_.position, t), [&](Index f) {
-        if (meets || mesh_.is_removed_face(f) ||
-            std::find(replaced_.begin(), replaced_.end(), f) != replaced_.end())
-          return;
-        meets = pairs_.meet(t, mesh_.triangle(f));
-      });
-      if (meets) return true;
+        if (pairs_.meet(fresh_[i], fresh_[j])) return true;
+      box_.push_back(boxes_.box_of(mesh_.position, fresh_[i]));
     }
-    return false;
+    BoxTree::Box all = box_[0];
+    for (const BoxTree::Box& box : box_)
+      for (int axis = 0; axis < 3; ++axis) {
+        all[axis] = std::min(all[axis], box[axis]);
+        all[axis + 3] = std::max(all[axis + 3], box[axis + 3]);
+      }
+    bool meets = false;
+    boxes_.for_each_overlap(all, [&](Index f) {
+      if (meets || mesh_.is_removed_face(f) ||
+          std::find(replaced_.begin(), replaced_.end(), f) != replaced_.end())
+        return;
+      const Triangle t = mesh_.triangle(f);
+      const BoxTree::Box box = boxes_.box_of(mesh_.position, t);
+      for (std::size_t i = 0; i < fresh_.size() && !meets; ++i)
+        meets = overlap(box, box_[i]) && pairs_.meet(fresh_[i], t);
+    });
+    return meets;
+  }
+
+  static bool overlap(const BoxTree::Box& a, const BoxTree::Box& b) {
+    for (int axis = 0; axis < 3; ++axis)
+      if (a[axis] > b[axis + 3] || b[axis] > a[axis + 3]) return false;
+    return true;
   }
 
   bool is_degenerate(const Triangle& t) const {
@@ -154,8 +169,9 @@ class OpeningCloser {
   std::vector<char> spans_;     // per face slot
   std::vector<Index> pending_;  // extra vertices
   CollapseRating rating_;
-  std::vector<Triangle> fresh_;  // faces that an operation would make ...
-  std::vector<Index> replaced_;  // ... in place of these
+  std::vector<BoxTree::Box> box_;  // of the fresh faces
+  std::vector<Triangle> fresh_;    // faces that an operation would make ...
+  std::vector<Index> replaced_;    // ... in place of these
   std::vector<Index> stack_;
 };
 

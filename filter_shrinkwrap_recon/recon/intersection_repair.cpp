@@ -21,7 +21,7 @@ constexpr double kLeastHeight = 1e-3;
 constexpr double kLeastUnfolding = 1e-3;
 // Pairs that the first of several flips may add.
 constexpr Index kMaxDetour = 2;
-constexpr Index kPollInterval = 64;
+constexpr Index kPollInterval = 8;
 
 // What is tried in turn, the next where the one before is of no avail.
 struct Attempt {
@@ -244,8 +244,11 @@ std::vector<Repair::Pair> Repair::pairs_of(std::vector<Index> faces) const {
   std::sort(faces.begin(), faces.end());
   faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
   std::vector<Pair> pairs;
-  for (Index f : faces)
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    if (i % (1 << 12) == 0 && progress_.cancelled()) throw Cancelled();
+    const Index f = faces[i];
     for_each_met(mesh_.triangle(f), f, f, [&](Index g) { pairs.push_back(std::minmax(f, g)); });
+  }
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   return pairs;
@@ -285,7 +288,7 @@ RepairReport Repair::run() {
   RepairReport report;
   report.before = static_cast<Index>(pairs.size());
   report.faces_before = static_cast<Index>(faces.size());
-  trials_left_ = static_cast<std::int64_t>(options_.max_trials_per_face) * report.faces_before;
+  trials_left_ = std::min(options_.max_trials, options_.max_trials_per_face * report.faces_before);
 
   progress_.set_range(0.8, 1.0);
   std::vector<Index> changed;

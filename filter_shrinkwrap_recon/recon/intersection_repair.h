@@ -10,9 +10,10 @@ namespace shrinkwrap {
 struct RepairOptions {
   int max_rounds = 64;     ///< passes over the edges near the faces that still meet others
   int max_look_ahead = 4;  ///< flips that are tried together where fewer do not help
-  /// Hinges looked at, for each face that meets another at the start: bounds the time (some 5 ms a
-  /// face).
-  Index max_trials_per_face = 2000;
+  /// Hinges looked at bound the time, some 3 us each: for each face that meets another at the
+  /// start, and in all.
+  std::int64_t max_trials_per_face = 1000;
+  std::int64_t max_trials = 4000000;
   /// Cosine of the sharpest angle between the normals of neighbours that a flip may make anew, as
   /// long as there is another way.
   double fold_guard = -0.3;

@@ -108,20 +108,42 @@ void VoxelSolid::splat(Progress& progress) {
   }
 }
 
+// Beyond the reach of the plane field the winding number varies slowly: one value serves the 8
+// voxels of an octant of a brick, apart for those that the plane field calls inside, outside or
+// nothing.
 void VoxelSolid::classify(Progress& progress) {
   const double begin = options_.blend_begin, width = options_.blend_end - options_.blend_begin;
   parallel_for_each(bricks_.size(), 64, progress, [&](Index brick) {
+    double plane[BrickIndex::kVoxels], trust_winding[BrickIndex::kVoxels];
+    const std::size_t base = static_cast<std::size_t>(brick) * BrickIndex::kVoxels;
     for (Index offset = 0; offset < BrickIndex::kVoxels; ++offset) {
-      const std::size_t at = static_cast<std::size_t>(brick) * BrickIndex::kVoxels + offset;
-      double plane = 0.0, trust_winding = 1.0;
-      if (weight_sum_[at] > 0.0f) {
-        plane = std::clamp(options_.level - distance_sum_[at] / weight_sum_[at], 0.0, 1.0);
-        trust_winding = std::clamp((std::sqrt(nearest_[at]) - begin) / width, 0.0, 1.0);
+      const std::size_t at = base + offset;
+      plane[offset] = -1.0;
+      trust_winding[offset] = 1.0;
+      if (weight_sum_[at] <= 0.0f) continue;
+      plane[offset] = std::clamp(options_.level - distance_sum_[at] / weight_sum_[at], 0.0, 1.0);
+      trust_winding[offset] = std::clamp((std::sqrt(nearest_[at]) - begin) / width, 0.0, 1.0);
+    }
+    for (Index octant = 0; octant < 8; ++octant) {
+      const Index first = (octant >> 2) << 5 | (octant >> 1 & 1) << 3 | (octant & 1) << 1;
+      double shared[3] = {-1.0, -1.0, -1.0};  // winding number by what the plane field says
+      for (Index k = 0; k < 8; ++k) {
+        const Index offset = first + ((k >> 2) << 4 | (k >> 1 & 1) << 2 | (k & 1));
+        double inside = (1.0 - trust_winding[offset]) * std::max(plane[offset], 0.0);
+        if (trust_winding[offset] > 0.0) {
+          const Voxel v = voxel_in(bricks_.brick(brick), offset);
+          double w;
+          if (plane[offset] > 0.0 && plane[offset] < 1.0) {
+            w = winding_.at(centre_of(v));
+          } else {
+            double& value = shared[plane[offset] < 0.0 ? 0 : plane[offset] > 0.0 ? 1 : 2];
+            if (value == -1.0) value = winding_.at(centre_of(v));
+            w = value;
+          }
+          inside += trust_winding[offset] * w;
+        }
+        state_[base + offset] = inside > options_.level ? solid : empty;
       }
-      double inside = (1.0 - trust_winding) * plane;
-      if (trust_winding > 0.0)
-        inside += trust_winding * winding_.at(centre_of(voxel_in(bricks_.brick(brick), offset)));
-      state_[at] = inside > options_.level ? solid : empty;
     }
   });
 }

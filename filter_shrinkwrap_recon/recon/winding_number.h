@@ -25,7 +25,7 @@ class WindingNumber {
     Index begin, end;        // samples
     Index skip;              // the node that follows this one's subtree, in depth-first order
   };
-  Index build(Index begin, Index end);
+  Index build(Index begin, Index end, const std::vector<std::uint64_t>& keys);
   double area(Index sample) const;
 
   const PointCloud& cloud_;

@@ -1,0 +1,24 @@
+#!/bin/sh
+# Measures the reconstruction: sh tests/benchmark/run.sh [options of run.py, --help lists them]
+#
+# Installs what is missing (apt, with sudo when not root), builds, and measures up to 1,000,000 samples (--full: up to
+# 10,000,000). Writes benchmark.md, benchmark.svg and the raw figures to tests/benchmark/results.
+set -eu
+
+root=$(cd "$(dirname "$0")/../.." && pwd)
+. "$root/cmake/setup.sh"
+
+# shellcheck disable=SC2086  # lists of words
+require_packages $host_packages $test_packages python3-matplotlib
+configure "$build" -DSHRINKWRAP_BUILD_PLUGIN=ON -DSHRINKWRAP_BUILD_TESTS=ON
+compile "$build" benchmarks filter_shrinkwrap_recon
+
+# The interpreter that has the plotting package, if any has.
+python=python3
+for candidate in python3 /usr/bin/python3; do
+  if "$candidate" -c 'import matplotlib' 2>/dev/null; then
+    python=$candidate
+    break
+  fi
+done
+exec "$python" "$root/tests/benchmark/run.py" --build "$build" "$@"
