@@ -245,7 +245,7 @@ std::vector<Repair::Pair> Repair::pairs_of(std::vector<Index> faces) const {
   faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
   std::vector<Pair> pairs;
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    if (i % (1 << 12) == 0 && progress_.cancelled()) throw Cancelled();
+    if (i % (1 << 12) == 0) progress_.update(0.0);
     const Index f = faces[i];
     for_each_met(mesh_.triangle(f), f, f, [&](Index g) { pairs.push_back(std::minmax(f, g)); });
   }

@@ -1,17 +1,52 @@
 #include "neighbourhoods.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
 #include "parallel.h"
 
 namespace shrinkwrap {
 namespace {
 
-constexpr Index kGroupPoints = 24;  // points that share one gathering, at most
+constexpr Index kGroupPoints = 32;  // points that share one gathering, at most
 constexpr Index kGroupsPerBlock =
     64;  // a block starts from scratch, so that blocks are independent
 constexpr int kGatheredPerNeighbour = 16;  // at most: a radius that gathers more is shrunk
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+// The unit eigenvector to the smallest eigenvalue of a symmetric matrix with non-negative
+// eigenvalues and trace 1, without a transcendental function. Up to the smallest root the
+// characteristic polynomial rises and is concave, so that Newton's iteration from 0 rises to that
+// root; the eigenvector is then normal to all rows. False where two eigenvalues nearly coincide.
+bool find_least_eigenvector(const Eigen::Matrix3d& m, Vec3& eigenvector) {
+  constexpr int kMostIterations = 12;
+  constexpr double kConverged = 1e-14;
+  constexpr double kLeastGap = 1e-5;  // product of the distances to the other eigenvalues
+  const double xx = m(0, 0), xy = m(0, 1), xz = m(0, 2), yy = m(1, 1), yz = m(1, 2), zz = m(2, 2);
+  const double minors = xx * yy - xy * xy + xx * zz - xz * xz + yy * zz - yz * yz;
+  const double determinant =
+      xx * (yy * zz - yz * yz) - xy * (xy * zz - xz * yz) + xz * (xy * yz - xz * yy);
+  double root = 0.0, step = 1.0;
+  for (int iteration = 0; step > kConverged; ++iteration) {
+    const double value = ((root - 1.0) * root + minors) * root - determinant;
+    const double slope = (3.0 * root - 2.0) * root + minors;
+    if (iteration == kMostIterations || !(slope > 0.0)) return false;
+    step = -value / slope;
+    root += step;
+  }
+  const Vec3 row_x(xx - root, xy, xz), row_y(xy, yy - root, yz), row_z(xz, yz, zz - root);
+  const Vec3 candidates[] = {row_x.cross(row_y), row_x.cross(row_z), row_y.cross(row_z)};
+  double longest = 0.0;
+  for (const Vec3& candidate : candidates) {
+    const double squared_length = candidate.squaredNorm();
+    if (squared_length <= longest) continue;
+    longest = squared_length;
+    eigenvector = candidate;
+  }
+  if (!(longest > kLeastGap * kLeastGap)) return false;
+  eigenvector /= std::sqrt(longest);
+  return true;
+}
 
 // Normal of the plane through the mean of points that fits them best. Sums about an origin near
 // them.
@@ -19,7 +54,9 @@ class PlaneFit {
  public:
   void add(double x, double y, double z) {
     ++count_;
-    sum_ += Vec3(x, y, z);
+    x_ += x;
+    y_ += y;
+    z_ += z;
     xx_ += x * x;
     xy_ += x * y;
     xz_ += x * z;
@@ -28,24 +65,26 @@ class PlaneFit {
     zz_ += z * z;
   }
   Vec3f normal() const {
-    const Vec3 mean = sum_ / count_;
+    const double mx = x_ / count_, my = y_ / count_, mz = z_ / count_;
     Eigen::Matrix3d covariance;
-    covariance << xx_ - sum_.x() * mean.x(), xy_ - sum_.x() * mean.y(), xz_ - sum_.x() * mean.z(),
-        xy_ - sum_.x() * mean.y(), yy_ - sum_.y() * mean.y(), yz_ - sum_.y() * mean.z(),
-        xz_ - sum_.x() * mean.z(), yz_ - sum_.y() * mean.z(), zz_ - sum_.z() * mean.z();
-    const double scale = covariance.trace();
-    if (!(scale > 1e-280)) return Vec3f::UnitZ();  // all in one place
-    covariance /= scale;
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-    solver.computeDirect(covariance);
-    const Vec3f normal = solver.eigenvectors().col(0).cast<float>();
-    const float length = normal.norm();
-    return length > 0.5f ? Vec3f(normal / length) : Vec3f::UnitZ();  // false for NaN too
+    covariance(0, 0) = xx_ - x_ * mx;
+    covariance(1, 1) = yy_ - y_ * my;
+    covariance(2, 2) = zz_ - z_ * mz;
+    covariance(0, 1) = covariance(1, 0) = xy_ - x_ * my;
+    covariance(0, 2) = covariance(2, 0) = xz_ - x_ * mz;
+    covariance(1, 2) = covariance(2, 1) = yz_ - y_ * mz;
+    const double trace = covariance.trace();
+    if (!(trace > 1e-280)) return Vec3f::UnitZ();  // all in one place
+    covariance *= 1.0 / trace;
+    Vec3 normal;
+    if (!find_least_eigenvector(covariance, normal))
+      normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors().col(0);
+    return normal.cast<float>();
   }
 
  private:
   int count_ = 0;
-  Vec3 sum_ = Vec3::Zero();
+  double x_ = 0.0, y_ = 0.0, z_ = 0.0;
   double xx_ = 0.0, xy_ = 0.0, xz_ = 0.0, yy_ = 0.0, yz_ = 0.0, zz_ = 0.0;
 };
 
@@ -236,7 +275,7 @@ class BlockSearch {
     result_.normal[point] = fit.normal();
   }
 
-  static constexpr double kMargin = 1.25;
+  static constexpr double kMargin = 1.35;
 
   Index* entries_of(Index point) {
     return result_.neighbour.data() + static_cast<std::size_t>(point) * result_.k;

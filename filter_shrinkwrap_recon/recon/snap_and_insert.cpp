@@ -91,32 +91,41 @@ VertexRemovalReport remove_unmatched(Matching& matching, Progress& progress) {
   SurfaceMesh& mesh = matching.mesh;
   std::vector<char> is_marked(mesh.position.size(), 0);
   for (Index v = 0; v < mesh.vertex_slots(); ++v)
-    if (!mesh.is_removed_vertex(v) && matching.sample_of_vertex[v] == kNone) is_marked[v] = 1;
+    if (matching.sample_of_vertex[v] == kNone) is_marked[v] = 1;
   const VertexBlocks blocks(mesh.position, progress);
-  return remove_vertices(mesh, blocks, is_marked, progress);
+  const VertexRemovalReport report = remove_vertices(mesh, blocks, is_marked, progress);
+
+  // The slots of faces have wandered with the flips; the search for the nearest face lives on
+  // order.
+  const std::vector<Index> new_index = mesh.compact();
+  std::vector<Index> moved(mesh.position.size());
+  for (std::size_t v = 0; v < new_index.size(); ++v)
+    if (new_index[v] != kNone) moved[new_index[v]] = matching.sample_of_vertex[v];
+  matching.sample_of_vertex = std::move(moved);
+  return report;
 }
 
 // Components without a sample are debris of the start; nothing is lost with them.
 void drop_components_without_samples(Matching& matching) {
   SurfaceMesh& mesh = matching.mesh;
   const MeshComponents components = connected_components(mesh);
-  std::vector<char> is_kept(static_cast<std::size_t>(components.count), 0);
+  std::vector<char> has_sample(static_cast<std::size_t>(components.count), 0);
   for (Index v = 0; v < mesh.vertex_slots(); ++v)
-    if (matching.sample_of_vertex[v] != kNone) is_kept[components.of_vertex[v]] = 1;
-  if (std::count(is_kept.begin(), is_kept.end(), 0) == 0) return;
+    if (matching.sample_of_vertex[v] != kNone) has_sample[components.of_vertex[v]] = 1;
+  if (std::count(has_sample.begin(), has_sample.end(), 0) == 0) return;
   std::vector<Vec3> position;
   std::vector<Index> samples, new_index(mesh.position.size(), kNone);
   for (Index v = 0; v < mesh.vertex_slots(); ++v) {
-    if (mesh.is_removed_vertex(v) || !is_kept[components.of_vertex[v]]) continue;
+    if (!has_sample[components.of_vertex[v]]) continue;
     new_index[v] = static_cast<Index>(position.size());
     position.push_back(mesh.position[v]);
     samples.push_back(matching.sample_of_vertex[v]);
   }
-  std::vector<Triangle> kept_faces;
+  std::vector<Triangle> triangles;
   for (const Triangle& t : mesh.triangles())
     if (new_index[t[0]] != kNone)
-      kept_faces.push_back({new_index[t[0]], new_index[t[1]], new_index[t[2]]});
-  mesh = SurfaceMesh::from_triangles(std::move(position), kept_faces);
+      triangles.push_back({new_index[t[0]], new_index[t[1]], new_index[t[2]]});
+  mesh = SurfaceMesh::from_triangles(std::move(position), triangles);
   matching.sample_of_vertex = std::move(samples);
 }
 
@@ -168,8 +177,7 @@ class Inserter {
     const double unlimited = std::numeric_limits<double>::infinity();
     FaceTree::Hit hit = tree.nearest(p, unlimited, hint, [](Index) { return true; });
     // Every distance overflowed or is not a number: any face will do.
-    if (hit.face == kNone)
-      for (hit.face = 0; mesh_.is_removed_face(hit.face);) ++hit.face;
+    if (hit.face == kNone) hit.face = 0;
     const auto is_compatible = [&](Index f) { return mesh_.area_vector(f).dot(normal) > 0.0; };
     if (!by_normal_ || is_compatible(hit.face)) return hit;
     const double limit = std::sqrt(hit.squared_distance) + kSurplus * cloud_.spacing;
@@ -274,7 +282,6 @@ void number_by_samples(Matching& matching, Index samples) {
   std::vector<Index> new_index(mesh.position.size(), kNone);
   Index extra = samples;
   for (Index v = 0; v < mesh.vertex_slots(); ++v) {
-    if (mesh.is_removed_vertex(v)) continue;
     const Index sample = matching.sample_of_vertex[v];
     new_index[v] = sample == kNone ? extra++ : sample;
   }
