@@ -38,7 +38,12 @@ struct Frame {
   Vec3 center = Vec3::Zero();
   double scale = 1.0;  ///< unit length per input length; a power of two
   Vec3 to_unit(const Vec3& p) const { return (p - center) * scale; }
-  Vec3 to_input(const Vec3& p) const { return p / scale + center; }
+/// Back to the input's frame, on a lattice of 2^-44 of the unit: near zero a host's float is finer than what the
+  /// way through the unit frame keeps, and without the lattice a second trip would give other bits than the first.
+  Vec3 to_input(const Vec3& p) const {
+    const double lattice = 0x1p-44 / scale;
+    return ((p / scale + center) / lattice).array().round() * lattice;
+  }
   double to_input_length(double length) const { return length / scale; }
 };
 
