@@ -13,7 +13,7 @@ using namespace shrinkwrap;
 using namespace shrinkwrap::testing;
 
 std::vector<Vec3> in_single_precision(std::vector<Vec3> points) {
-  for (Vec3& p : points) p = p.cast<float>().cast<double>();
+  for (Vec3& p : points) p = rounded_to_single(p);
   return points;
 }
 
@@ -66,7 +66,7 @@ class Chain : public ::testing::TestWithParam<ChainCase> {};
 
 TEST_P(Chain, StageByStageGivesTheBytesOfTheOneShot) {
   std::vector<Vec3> points = in_single_precision(sample_shape(GetParam().kind, 2500, 3));
-  for (Vec3& p : points) p = (100.0 * p + Vec3(1234.5, -77.0, 0.3)).cast<float>().cast<double>();
+  for (Vec3& p : points) p = rounded_to_single(100.0 * p + Vec3(1234.5, -77.0, 0.3));
   points.push_back(points[7]);                              // a duplicate
   points.insert(points.begin(), Vec3(std::nan(""), 0, 0));  // and a point that is none
   FilterInput input;

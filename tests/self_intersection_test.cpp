@@ -124,12 +124,12 @@ TEST(ExactPredicates, SignsOfSimpleCases) {
 }
 
 TEST(ExactPredicates, OneUnitInTheLastPlaceDecides) {
-  // On the diagonal plane x + y + z = 3/10, as far as doubles go.
-  const Vec3 a(0.1, 0.1, 0.1), b(0.3, 0.1, -0.1), c(-0.1, 0.3, 0.1);
+  // Exactly in the plane x + y + z = 4.
+  const Vec3 a(1, 1, 2), b(3, 1, 0), c(-1, 3, 2);
   const Vec3 d = a + (b - a) * 0.5 + (c - a) * 0.25;
   const double up = std::numeric_limits<double>::infinity();
-  const Vec3 above(d.x(), d.y(), std::nextafter(std::nextafter(d.z(), up), up));
-  const Vec3 below(d.x(), d.y(), std::nextafter(std::nextafter(d.z(), -up), -up));
+  const Vec3 above(d.x(), d.y(), std::nextafter(d.z(), up));
+  const Vec3 below(d.x(), d.y(), std::nextafter(d.z(), -up));
   EXPECT_EQ(orientation_sign(a, b, c, above), exact::orientation_sign(a, b, c, above));
   EXPECT_EQ(orientation_sign(a, b, c, below), exact::orientation_sign(a, b, c, below));
   EXPECT_NE(orientation_sign(a, b, c, above), orientation_sign(a, b, c, below));
@@ -301,7 +301,7 @@ TEST(SelfIntersection, SameForAnyScaleAndPlace) {
   // Rounded first, so that a shift by so much loses nothing.
   std::vector<Vec3> rounded = mesh.positions, shifted;
   for (Vec3& p : rounded) {
-    p = p.cast<float>().cast<double>();
+    p = rounded_to_single(p);
     for (double& coordinate : p) coordinate = std::round(coordinate * 0x1p20) * 0x1p-20;
     shifted.push_back(p + Vec3(0x1p22, -0x1p23, 0x1p21));
   }

@@ -27,7 +27,10 @@ class FloatVertex : public vcg::Vertex<FloatTypes, vcg::vertex::Coord3f, vcg::ve
                                        vcg::vertex::BitFlags, vcg::vertex::Mark> {};
 class FloatFace : public vcg::Face<FloatTypes, vcg::face::VertexRef, vcg::face::Normal3f,
                                    vcg::face::FFAdj, vcg::face::BitFlags, vcg::face::Mark> {};
-class FloatMesh : public vcg::tri::TriMesh<std::vector<FloatVertex>, std::vector<FloatFace>> {};
+class FloatMesh : public vcg::tri::TriMesh<std::vector<FloatVertex>, std::vector<FloatFace>> {
+ public:
+  ~FloatMesh() { ClearAttributes(); }  // which vcglib's own destructor leaves to the user
+};
 
 // As little as possible, optional components, double precision.
 class DoubleVertex;

@@ -119,7 +119,8 @@ Reconstruction run(const std::vector<Vec3>& points, const ReconstructionOptions&
     log.add(Stage::complete_matching, matching.mesh.vertex_count(),
             [&] { return to_result(matching, cloud, points); });
 
-    result.edge_optimisation = optimise_edges(matching.mesh, options.edge_optimisation, progress);
+    result.edge_optimisation = optimise_edges(matching.mesh, options.edge_optimisation, progress,
+                                              matching.spanning_faces);
     result.mesh = to_result(matching, cloud, points);
     drop_faces(result.mesh, matching.opening_faces);
     log.add(Stage::edge_optimisation, matching.mesh.vertex_count(), [&] { return result.mesh; });

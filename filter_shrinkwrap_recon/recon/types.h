@@ -38,8 +38,9 @@ struct Frame {
   Vec3 center = Vec3::Zero();
   double scale = 1.0;  ///< unit length per input length; a power of two
   Vec3 to_unit(const Vec3& p) const { return (p - center) * scale; }
-/// Back to the input's frame, on a lattice of 2^-44 of the unit: near zero a host's float is finer than what the
-  /// way through the unit frame keeps, and without the lattice a second trip would give other bits than the first.
+  /// Back to the input's frame, on a lattice of 2^-44 of the unit: near zero a host's float is
+  /// finer than what the way through the unit frame keeps, and without the lattice a second trip
+  /// would give other bits than the first.
   Vec3 to_input(const Vec3& p) const {
     const double lattice = 0x1p-44 / scale;
     return ((p / scale + center) / lattice).array().round() * lattice;
@@ -51,6 +52,14 @@ struct Frame {
 /// one stage hands over to the next, so that stages run one by one through host layers and the
 /// whole pipeline in one call give the same bytes.
 enum class HostScalar { single_precision, double_precision };
+
+/// The nearest doubles that single precision can hold. A function of its own because GCC 12
+/// vectorises a narrowing and the widening after it into nothing, whatever the language says.
+inline Vec3 rounded_to_single(const Vec3& p) {
+  const volatile float x = static_cast<float>(p.x()), y = static_cast<float>(p.y()),
+                       z = static_cast<float>(p.z());
+  return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
+}
 
 /// Base of everything the library throws on purpose. `what()` names the problem and the remedy.
 class Error : public std::runtime_error {

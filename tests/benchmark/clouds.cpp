@@ -177,7 +177,7 @@ std::vector<Vec3> make_cloud(const CloudChoice& choice) {
     points = read_ply(choice.file);
     if (choice.samples > 0) points = resample(points, choice.samples);
   }
-  for (Vec3& p : points) p = p.cast<float>().cast<double>();
+  for (Vec3& p : points) p = rounded_to_single(p);
   return points;
 }
 

@@ -201,7 +201,6 @@ class Stages(HostTest):
         self.mesh.unlink()
         return content
 
-    @unittest.skip("known gap: the chained stages differ from the one-shot filter")
     def test_chain_is_the_one_shot(self):
         write_ply(self.cloud, torus(3000))
         expected = self.one_shot_bytes()
@@ -209,7 +208,6 @@ class Stages(HostTest):
         self.assertEqual(self.mesh.read_bytes(), expected)
         self.expect_complete(genus=1)
 
-    @unittest.skip("known gap: the chained stages differ from the one-shot filter")
     def test_chain_is_the_one_shot_with_openings(self):
         write_ply(self.cloud, sphere(3000, keep=lambda p: p[2] > -0.3))
         for openings in (0, 1):
@@ -217,7 +215,6 @@ class Stages(HostTest):
             self.succeeds(SCRIPTS / "stage_by_stage.mlx", ("Openings", openings))
             self.assertEqual(self.mesh.read_bytes(), expected)
 
-    @unittest.skip("known gap: the chained stages differ from the one-shot filter")
     def test_chain_is_the_one_shot_as_in_the_paper(self):
         write_ply(self.cloud, sphere(1500))
         expected = self.one_shot_bytes(("Method", 1))
