@@ -94,7 +94,7 @@ TEST_P(Retiling, MakesEverySampleAVertex) {
     EXPECT_EQ(matching.report.extra_vertices, 0);
     EXPECT_EQ(matching.report.membranes, 0);
     EXPECT_EQ(matching.mesh.vertex_count(), cloud.size());
-    EXPECT_GT(testing::signed_volume(matching.mesh), 0.0);
+    EXPECT_GT(signed_volume(matching.mesh), 0.0);
     for (Index i = 0; i < cloud.size(); ++i) ASSERT_EQ(matching.sample_of_vertex[i], to_sample(i));
   }
 }

@@ -172,7 +172,7 @@ TEST(BendingCriterion, FollowsTheEdgesOfACube) {
     Index across = 0;
     for (Index f = 0; f < mesh.face_slots(); ++f) across += !lies_in_one_side(mesh, f);
     EXPECT_EQ(across, 0);
-    EXPECT_NEAR(testing::signed_volume(mesh), 8.0, 1e-9);
+    EXPECT_NEAR(signed_volume(mesh), 8.0, 1e-9);
   }
 }
 

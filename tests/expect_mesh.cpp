@@ -142,13 +142,6 @@ void expect_same_mesh(const SurfaceMesh& a, const SurfaceMesh& b) {
       << "positions differ";
 }
 
-double signed_volume(const SurfaceMesh& mesh) {
-  double volume = 0.0;
-  for (const auto& [a, b, c] : mesh.triangles())
-    volume += mesh.position[a].dot(mesh.position[b].cross(mesh.position[c])) / 6.0;
-  return volume;
-}
-
 double normal_consistency(const SurfaceMesh& mesh, const Shape& shape, const Frame& to_shape) {
   double sum = 0.0, area = 0.0;
   for (const auto& [a, b, c] : mesh.triangles()) {

@@ -42,9 +42,6 @@ void expect_complete_matching(const CompleteMatching& matching, const PointCloud
 /// Fails unless the two are the same, index for index and bit for bit.
 void expect_same_mesh(const SurfaceMesh& a, const SurfaceMesh& b);
 
-/// Volume enclosed; positive if the faces are oriented outwards.
-double signed_volume(const SurfaceMesh& mesh);
-
 /// Mean over the area of the cosine between the normal of a face and that of the shape at its
 /// centroid. `to_shape`: from the frame of the mesh to the shape's.
 double normal_consistency(const SurfaceMesh& mesh, const Shape& shape, const Frame& to_shape = {});

@@ -40,6 +40,7 @@ CompleteMatching match_samples(SurfaceMesh parametric, const PointCloud& cloud,
           ? retile(std::move(parametric), cloud, search, options, progress)
           : snap_and_insert(std::move(parametric), cloud, search, options, progress);
   check_matching(matching, cloud.size());
+  turn_outward(matching.mesh);
   progress.update(1.0);
   return matching;
 }

@@ -310,6 +310,7 @@ EdgeOptimisationReport optimise_edges(SurfaceMesh& mesh, const EdgeOptimisationO
     progress.set_range(0.2, 1.0);
     report.flips = flip_all(mesh, criterion, fixed_faces, progress);
   }
+  turn_outward(mesh);
   progress.update(1.0);
   return report;
 }

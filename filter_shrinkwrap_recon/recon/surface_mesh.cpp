@@ -328,6 +328,28 @@ MeshComponents connected_components(const SurfaceMesh& mesh) {
   return components;
 }
 
+double signed_volume(const SurfaceMesh& mesh) {
+  Progress silent;
+  const double six_fold =
+      parallel_sum(mesh.face_slots(), kGrain, silent, 0.0, [&](Index begin, Index end) {
+        double sum = 0.0;
+        for (Index f = begin; f < end; ++f) {
+          if (mesh.is_removed_face(f)) continue;
+          const Triangle t = mesh.triangle(f);
+          sum += mesh.position[t[0]].dot(mesh.position[t[1]].cross(mesh.position[t[2]]));
+        }
+        return sum;
+      });
+  return six_fold / 6.0;
+}
+
+void turn_outward(SurfaceMesh& mesh) {
+  if (signed_volume(mesh) >= 0.0) return;
+  std::vector<Triangle> triangles = mesh.triangles();
+  for (Triangle& triangle : triangles) std::swap(triangle[1], triangle[2]);
+  mesh = SurfaceMesh::from_triangles(std::move(mesh.position), triangles);
+}
+
 void round_to_host(SurfaceMesh& mesh, const Frame& frame, HostScalar scalar) {
   Progress silent;
   parallel_for_each(mesh.vertex_slots(), kGrain, silent, [&](Index v) {

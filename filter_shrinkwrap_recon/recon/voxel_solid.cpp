@@ -149,15 +149,16 @@ void VoxelSolid::classify(Progress& progress) {
 }
 
 // Classifies a brick that no sample reaches; true if the level set passes through it.
-bool VoxelSolid::classify_far_brick(const Voxel& brick) {
+bool VoxelSolid::classify_far_brick(const Voxel& brick, CornerValues& winding_at_corners) {
   double low = 1e30, high = -1e30;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 at = origin_ + size_ * BrickIndex::kEdge *
-                                  Vec3(brick[0] + (corner & 1), brick[1] + (corner >> 1 & 1),
-                                       brick[2] + (corner >> 2));
-    const double w = winding_.at(at);
-    low = std::min(low, w);
-    high = std::max(high, w);
+  for (int k = 0; k < 8; ++k) {
+    const Voxel corner = {brick[0] + (k & 1), brick[1] + (k >> 1 & 1), brick[2] + (k >> 2)};
+    const Index at = winding_at_corners.index.insert(corner);
+    if (at == static_cast<Index>(winding_at_corners.value.size()))
+      winding_at_corners.value.push_back(
+          winding_.at(origin_ + size_ * BrickIndex::kEdge * Vec3(corner[0], corner[1], corner[2])));
+    low = std::min(low, winding_at_corners.value[at]);
+    high = std::max(high, winding_at_corners.value[at]);
   }
   if (low <= options_.level + kFarMargin && high >= options_.level - kFarMargin) return true;
   far_bricks_.insert(brick);
@@ -165,17 +166,20 @@ bool VoxelSolid::classify_far_brick(const Voxel& brick) {
   return false;
 }
 
+// Classifies every brick that touches one where something happens, be it at a corner only: the
+// boundary is closed because no face, edge or corner of a brick with voxels meets the unknown.
 void VoxelSolid::follow_level_set(Progress& progress) {
+  CornerValues winding_at_corners;
   const Index near_bricks = bricks_.size();
   const Index limit = near_bricks + kMembraneBricksPerSample * cloud_.size() + 4096;
   for (Index i = 0; i < bricks_.size(); ++i) {
     if (i % 256 == 0)
       progress.update(static_cast<double>(i) / std::max(near_bricks, bricks_.size()));
     const Voxel brick = bricks_.brick(i);
-    for (const Voxel& side : kSides) {
-      const Voxel neighbour = brick + side;
+    for (Index k = 0; k < 27; ++k) {
+      const Voxel neighbour = brick + Voxel{k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
       if (bricks_.find(neighbour) != kNone || far_bricks_.find(neighbour) != kNone) continue;
-      if (!classify_far_brick(neighbour)) continue;
+      if (!classify_far_brick(neighbour, winding_at_corners)) continue;
       if (bricks_.size() >= limit)
         throw ReconstructionFailed(
             "the surface over the openings of the cloud would be far larger than the surface "

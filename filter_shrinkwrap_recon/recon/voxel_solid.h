@@ -33,7 +33,11 @@ class VoxelSolid {
   void splat(Progress& progress);
   void classify(Progress& progress);
   void follow_level_set(Progress& progress);
-  bool classify_far_brick(const Voxel& brick);
+  struct CornerValues {  // of a field at the corners of bricks, each computed once
+    BrickIndex index;
+    std::vector<double> value;
+  };
+  bool classify_far_brick(const Voxel& brick, CornerValues& winding_at_corners);
   Index add_brick(const Voxel& brick);
 
   const PointCloud& cloud_;

@@ -1,0 +1,145 @@
+#include "parametric_surface.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+
+#include "expect_mesh.h"
+#include "orientation.h"
+#include "shapes.h"
+
+namespace shrinkwrap::testing {
+namespace {
+
+struct Prepared {
+  PointCloud cloud;
+  VoxelSearch search;
+};
+Prepared prepare(const std::vector<Vec3>& points) {
+  Progress silent;
+  PointCloud cloud = prepare_samples(points, {}, silent);
+  orient_normals(cloud, {}, silent);
+  VoxelSearch search(cloud.position);
+  return {std::move(cloud), std::move(search)};
+}
+
+// A mesh of the shape's own frame, in that of the samples.
+SurfaceMesh in_frame(SurfaceMesh mesh, const Frame& frame) {
+  for (Vec3& p : mesh.position) p = frame.to_unit(p);
+  return mesh;
+}
+
+TEST(LoopWeights, KnownValues) {
+  EXPECT_DOUBLE_EQ(loop_beta(3), 3.0 / 16.0);
+  EXPECT_NEAR(loop_beta(6), 1.0 / 16.0, 1e-15);
+  // The limit weight is that at which another subdivision leaves the limit position where it is:
+  // 1 / (3 / (8 beta) + K).
+  for (Index valence = 3; valence < 20; ++valence)
+    EXPECT_NEAR(loop_limit_weight(valence), 1.0 / (3.0 / (8.0 * loop_beta(valence)) + valence),
+                1e-14);
+}
+
+TEST(LoopSubdivide, CountsAndTopology) {
+  const SurfaceMesh torus = torus_mesh(9, 5);
+  const SurfaceMesh finer = loop_subdivide(torus);
+  expect_closed_manifold(finer, 1, 1);
+  EXPECT_EQ(finer.vertex_count(), torus.vertex_count() + torus.face_count() * 3 / 2);
+  EXPECT_EQ(finer.face_count(), 4 * torus.face_count());
+}
+
+TEST(LoopSubdivide, LimitPositionsStayWhereTheyAre) {
+  // A vertex and its offspring have the same limit position, whatever the valence.
+  SurfaceMesh mesh = icosphere(1);
+  Random random(11);
+  for (Vec3& p : mesh.position) p += 0.1 * random.in_cube();
+  const auto limit_position = [](const SurfaceMesh& m, Index v) {
+    Vec3 sum = Vec3::Zero();
+    m.for_each_outgoing(v, [&](Index h) { sum += m.position[m.target(h)] - m.position[v]; });
+    return Vec3(m.position[v] + loop_limit_weight(m.valence(v)) * sum);
+  };
+  const SurfaceMesh finer = loop_subdivide(mesh);
+  for (Index v = 0; v < mesh.vertex_slots(); ++v) {
+    const Vec3 before = limit_position(mesh, v);
+    double nearest = 1e300;
+    for (Index w = 0; w < finer.vertex_slots(); ++w)
+      nearest = std::min(nearest, (limit_position(finer, w) - before).norm());
+    EXPECT_LT(nearest, 1e-14) << "vertex " << v;
+  }
+}
+
+TEST(LoopSubdivide, KeepsAPlaneAndPrecision) {
+  // An octahedron squashed into a plane stays there.
+  SurfaceMesh mesh = icosphere(2);
+  for (Vec3& p : mesh.position) p.z() = 0.5;
+  for (const Vec3& p : loop_subdivide(mesh).position) EXPECT_NEAR(p.z(), 0.5, 1e-15);
+}
+
+TEST(ParametricSurface, LiesOnTheSampledSurface) {
+  const Prepared samples = prepare(sample_shape_blue_noise(ShapeKind::torus, 6000, 4));
+  SurfaceMesh control = torus_mesh(24, 12);
+  Progress silent;
+  const ParametricSurface surface = make_parametric_surface(
+      in_frame(control, samples.cloud.frame), samples.cloud, samples.search, {}, silent);
+  expect_closed_manifold(surface.mesh, 1, 1);
+  EXPECT_EQ(surface.report.subdivisions, 2);
+  EXPECT_EQ(surface.mesh.vertex_count(), 16 * control.vertex_count());
+  EXPECT_EQ(surface.report.membrane_vertices, 0);
+  EXPECT_LT(surface.report.mean_distance, 0.05);
+  const Shape torus = shape_of(ShapeKind::torus);
+  double sum = 0.0;
+  for (const Vec3& p : surface.mesh.position)
+    sum += std::abs(torus.implicit(samples.cloud.frame.to_input(p)));
+  const double spacing = samples.cloud.frame.to_input_length(samples.cloud.spacing);
+  EXPECT_LT(sum / surface.mesh.vertex_count(), 0.06 * spacing);
+  EXPECT_GT(normal_consistency(surface.mesh, torus, samples.cloud.frame), 0.995);
+}
+
+TEST(ParametricSurface, NearestSampleFittingComesCloseToo) {
+  const Prepared samples = prepare(sample_shape(ShapeKind::sphere, 3000, 5));
+  ParametricSurfaceOptions options;
+  options.target = ParametricSurfaceOptions::Target::nearest_sample;
+  options.attraction = 0.85;
+  options.relaxation = 0.0;
+  Progress silent;
+  const ParametricSurface surface = make_parametric_surface(
+      in_frame(icosphere(2), samples.cloud.frame), samples.cloud, samples.search, options, silent);
+  expect_closed_manifold(surface.mesh, 1, 0);
+  for (const Vec3& p : surface.mesh.position)
+    EXPECT_NEAR(samples.cloud.frame.to_input(p).norm(), 1.0, 0.05);
+}
+
+TEST(ParametricSurface, SubdividesAgainWhereTheControlMeshIsCoarse) {
+  const Prepared samples = prepare(sample_shape(ShapeKind::sphere, 4000, 6));
+  Progress silent;
+  const ParametricSurface surface = make_parametric_surface(
+      in_frame(icosphere(1), samples.cloud.frame), samples.cloud, samples.search, {}, silent);
+  EXPECT_EQ(surface.report.subdivisions, 3);
+  EXPECT_EQ(surface.mesh.vertex_count(), 2562);
+}
+
+TEST(ParametricSurface, AMembraneIsNotPulledOntoTheSamples) {
+  // The far half of the sphere has no samples: it is smoothed, and does not collapse onto the rim.
+  const Prepared samples = prepare(sample_shape_blue_noise(ShapeKind::hemisphere, 3000, 7));
+  Progress silent;
+  const ParametricSurface surface = make_parametric_surface(
+      in_frame(icosphere(3), samples.cloud.frame), samples.cloud, samples.search, {}, silent);
+  expect_closed_manifold(surface.mesh, 1, 0);
+  EXPECT_GT(surface.report.membrane_vertices, surface.mesh.vertex_count() / 10);
+  EXPECT_LT(surface.report.mean_distance, 0.2);
+}
+
+TEST(ParametricSurface, IsTheSameForAnyNumberOfThreads) {
+  const Prepared samples = prepare(sample_shape(ShapeKind::blob, 20000, 8));
+  const auto with_threads = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    Progress silent;
+    return make_parametric_surface(in_frame(icosphere(3), samples.cloud.frame), samples.cloud,
+                                   samples.search, {}, silent)
+        .mesh;
+  };
+  expect_same_mesh(with_threads(1), with_threads(2));
+}
+
+}  // namespace
+}  // namespace shrinkwrap::testing

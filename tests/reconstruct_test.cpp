@@ -1,0 +1,204 @@
+// The whole method: its promise over generated shapes, the tables of the paper, and what it
+// refuses.
+#include "reconstruct.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "expect_mesh.h"
+#include "shapes.h"
+
+namespace shrinkwrap::testing {
+namespace {
+
+Reconstruction reconstruct_silently(const std::vector<Vec3>& points,
+                                    const ReconstructionOptions& options = {}) {
+  Progress silent;
+  return reconstruct(points, options, silent);
+}
+
+// Judged from the triangles alone: the mesh of these points, vertex i the i-th of them.
+void expect_promise(const Reconstruction& result, const std::vector<Vec3>& points, Index components,
+                    Index genus) {
+  const ResultMesh& mesh = result.mesh;
+  ASSERT_EQ(mesh.position.size(), points.size()) << "V = N";
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    ASSERT_EQ(mesh.position[i], points[i]);
+    ASSERT_EQ(mesh.input_index[i], static_cast<Index>(i));
+  }
+  expect_closed_manifold(static_cast<Index>(points.size()), mesh.triangles, components, genus);
+  double volume = 0.0;
+  for (const Triangle& t : mesh.triangles)
+    volume += points[t[0]].dot(points[t[1]].cross(points[t[2]]));
+  EXPECT_GT(volume, 0.0) << "not outward";
+  EXPECT_TRUE(result.report.complete_matching());
+}
+
+struct PropertyCase {
+  ShapeKind kind;
+  bool evenly_spread;
+};
+
+class Property : public ::testing::TestWithParam<PropertyCase> {};
+
+TEST_P(Property, ThePromiseHolds) {
+  const Shape shape = shape_of(GetParam().kind);
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Index count = 4000 + 700 * static_cast<Index>(seed);
+    const SampleDefects defects{0.0, 0.0, seed % 2 == 1};
+    const std::vector<Vec3> points = GetParam().evenly_spread
+                                         ? sample_shape_blue_noise(shape.kind, count, seed, defects)
+                                         : sample_shape(shape.kind, count, seed, defects);
+    expect_promise(reconstruct_silently(points), points, shape.components, shape.genus);
+  }
+}
+
+std::vector<PropertyCase> property_cases() {
+  std::vector<PropertyCase> cases;
+  for (const ShapeKind kind : closed_shapes())
+    for (const bool evenly_spread : {false, true}) cases.push_back({kind, evenly_spread});
+  return cases;
+}
+INSTANTIATE_TEST_SUITE_P(Shapes, Property, ::testing::ValuesIn(property_cases()),
+                         [](const auto& test) {
+                           return shape_of(test.param.kind).name +
+                                  (test.param.evenly_spread ? "_even" : "_random");
+                         });
+
+TEST(Reconstruct, AnOpeningIsClosedOrLeft) {
+  const std::vector<Vec3> points = sample_shape(ShapeKind::hemisphere, 4000, 1);
+  const Reconstruction closed = reconstruct_silently(points);
+  EXPECT_TRUE(closed.report.closed() && closed.report.manifold());
+  EXPECT_EQ(closed.report.samples_matched, 4000);
+
+  ReconstructionOptions options;
+  options.complete_matching.openings = CompleteMatchingOptions::Openings::leave_open;
+  const Reconstruction open = reconstruct_silently(points, options);
+  EXPECT_FALSE(open.report.closed());
+  EXPECT_TRUE(open.report.manifold());
+  EXPECT_EQ(open.report.border_loops, 1);
+  EXPECT_EQ(open.report.samples_missing, 0);
+}
+
+TEST(Reconstruct, TablesOfThePaper) {
+  // Box, control mesh and parametric surface of tables 1 and 2 for their two sample counts.
+  for (const auto& [samples, initial, control, parametric] :
+       {std::array<Index, 4>{12321, 1538, 772, 12322},
+        std::array<Index, 4>{34267, 6146, 2144, 34274}}) {
+    const std::vector<Vec3> points = sample_shape(ShapeKind::blob, samples, 2);
+    const Reconstruction result = reconstruct_silently(points, as_in_the_paper());
+    expect_promise(result, points, 1, 0);
+    const auto vertices_of = [&](Stage stage) {
+      for (const StageRecord& record : result.stages)
+        if (record.name == stage_name(stage)) return record.vertices;
+      return kNone;
+    };
+    EXPECT_EQ(vertices_of(Stage::initial_mesh), initial);
+    EXPECT_EQ(vertices_of(Stage::control_mesh), control);
+    EXPECT_EQ(vertices_of(Stage::parametric_surface), parametric);
+    EXPECT_EQ(vertices_of(Stage::complete_matching), samples);
+  }
+}
+
+TEST(Reconstruct, StopsAtTheParametricSurface) {
+  ReconstructionOptions options;
+  options.stop_at_parametric_surface = true;
+  const Reconstruction result =
+      reconstruct_silently(sample_shape(ShapeKind::torus, 4000, 3, {0.3, 0.0, true}), options);
+  expect_closed_manifold(static_cast<Index>(result.mesh.position.size()), result.mesh.triangles, 1,
+                         1);
+}
+
+TEST(Reconstruct, SameBytesForAnyNumberOfThreads) {
+  const std::vector<Vec3> points = sample_shape(ShapeKind::double_torus, 30000, 4);
+  for (const bool as_paper : {false, true}) {
+    ReconstructionOptions options = as_paper ? as_in_the_paper() : ReconstructionOptions();
+    options.threads = 1;
+    const Reconstruction one = reconstruct_silently(points, options);
+    options.threads = 2;
+    const Reconstruction two = reconstruct_silently(points, options);
+    EXPECT_EQ(one.mesh.position, two.mesh.position);
+    EXPECT_EQ(one.mesh.triangles, two.mesh.triangles);
+  }
+}
+
+TEST(Reconstruct, AnyPlaceAndAnyScale) {
+  const std::vector<Vec3> shape = sample_shape(ShapeKind::torus, 3000, 5);
+  for (const double scale : {1e-12, 1e-3, 1e5, 1e12})
+    for (const double offset : {0.0, 1000.0}) {
+      SCOPED_TRACE("scale " + std::to_string(scale) + ", offset " + std::to_string(offset));
+      std::vector<Vec3> points = shape;
+      for (Vec3& p : points) p = scale * (p + Vec3(offset, -2.0 * offset, 0.5 * offset));
+      ReconstructionOptions options;
+      options.host_scalar = HostScalar::double_precision;
+      expect_promise(reconstruct_silently(points, options), points, 1, 1);
+    }
+}
+
+TEST(Reconstruct, FewPointsWillDo) {
+  for (Index count = 4; count <= 60; ++count) {
+    SCOPED_TRACE(count);
+    const std::vector<Vec3> points = sample_shape(ShapeKind::sphere, count, 6);
+    const Reconstruction result = reconstruct_silently(points);
+    EXPECT_TRUE(result.report.closed() && result.report.manifold());
+    EXPECT_EQ(result.report.samples_matched, count);
+  }
+}
+
+TEST(Reconstruct, BadPointsAreLeftOutAndCounted) {
+  std::vector<Vec3> points = sample_shape(ShapeKind::sphere, 500, 7);
+  const std::vector<Vec3> good = points;
+  points.insert(points.begin() + 10, Vec3(std::numeric_limits<double>::quiet_NaN(), 0, 0));
+  points.push_back(Vec3(0, std::numeric_limits<double>::infinity(), 0));
+  points.push_back(good[3]);
+  const Reconstruction result = reconstruct_silently(points);
+  EXPECT_EQ(result.conditioning.not_finite, 2u);
+  EXPECT_EQ(result.conditioning.duplicates, 1u);
+  EXPECT_EQ(result.mesh.position, good);
+  EXPECT_EQ(result.mesh.input_index[10], 11);
+}
+
+TEST(Reconstruct, RefusesWhatHasNoSurface) {
+  const auto grid = [](int dimensions) {
+    std::vector<Vec3> points;
+    for (int i = 0; i < 20; ++i)
+      for (int j = 0; j < (dimensions > 1 ? 20 : 1); ++j)
+        points.emplace_back(0.1 * i, 0.1 * j, 0.3 * i + 0.2 * j);
+    return points;
+  };
+  EXPECT_THROW(reconstruct_silently({}), InvalidInput);
+  EXPECT_THROW(reconstruct_silently({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}), InvalidInput);
+  EXPECT_THROW(reconstruct_silently(std::vector<Vec3>(50, Vec3(1, 2, 3))), InvalidInput);
+  EXPECT_THROW(reconstruct_silently(grid(1)), InvalidInput) << "collinear";
+  EXPECT_THROW(reconstruct_silently(grid(2)), InvalidInput) << "coplanar";
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(reconstruct_silently(std::vector<Vec3>(50, Vec3(nan, nan, nan))), InvalidInput);
+  try {
+    reconstruct_silently(grid(2));
+  } catch (const InvalidInput& error) {
+    EXPECT_GT(std::string(error.what()).size(), 20u) << "says what to do: " << error.what();
+  }
+}
+
+TEST(Reconstruct, CanBeCancelledInEveryStage) {
+  const std::vector<Vec3> points = sample_shape(ShapeKind::blob, 20000, 8);
+  for (const Stage stage : stages_of(ReconstructionOptions())) {
+    const std::string name = stage_name(stage);
+    Progress progress([&](double, const char* current) { return current != name; },
+                      stages_of(ReconstructionOptions()));
+    EXPECT_THROW(reconstruct(points, {}, progress), Cancelled) << name;
+  }
+}
+
+TEST(Reconstruct, RefusesWhatDoesNotFitInMemory) {
+  ReconstructionOptions options;
+  options.memory_limit = 100000;
+  EXPECT_THROW(reconstruct_silently(sample_shape(ShapeKind::sphere, 5000, 9), options), Error);
+}
+
+}  // namespace
+}  // namespace shrinkwrap::testing
