@@ -82,7 +82,7 @@ TEST(VoxelSolid, HoldsWhatIsDeepInside) {
   const WindingNumber winding(samples.cloud);
   Progress silent;
   const InitialMeshOptions options;
-  const VoxelSolid solid(samples.cloud, winding, options, silent);
+  const VoxelSolid solid = make_voxel_solid(samples.cloud, winding, options, silent);
   const double spacing = samples.cloud.frame.to_input_length(samples.cloud.spacing);
   Random random(6);
   for (int i = 0; i < 4000; ++i) {

@@ -6,6 +6,7 @@
 #include "one_ring.h"
 #include "parallel.h"
 #include "tangent_target.h"
+#include "voxel_boundary.h"
 #include "voxel_solid.h"
 #include "winding_number.h"
 
@@ -15,6 +16,7 @@ namespace {
 constexpr Index kGrain = 1 << 11;
 // Weight of the Laplacian where no sample holds the mesh.
 constexpr double kMembraneSmoothing = 0.5;
+constexpr double kSupportReach = 3.0;  // x size of a voxel
 
 // Shrinks the mesh towards the planes of the samples of its own side, all vertices at once (eq.
 // 4-8, with the plane in place of the nearest sample, which folds the mesh in concavities).
@@ -67,6 +69,43 @@ double fraction_with_solid_behind(const PointCloud& cloud, const VoxelSolid& sol
   return static_cast<double>(supported) / cloud.size();
 }
 
+// Leaves out the components that fewer than `min_samples` samples support, each sample the one that
+// is nearest to it; never the best supported. Returns how many were left out.
+Index drop_unsupported(SurfaceMesh& mesh, const PointCloud& cloud, double reach,
+                       Index min_samples) {
+  const MeshComponents components = connected_components(mesh);
+  if (components.count < 2) return 0;
+  const VoxelSearch vertices(mesh.position);
+  std::vector<Index> supported(cloud.position.size(), kNone);
+  Progress silent;
+  parallel_for_each(cloud.size(), kGrain, silent, [&](Index i) {
+    const auto nearest = vertices.nearest(cloud.position[i]);
+    if (nearest.squared_distance <= reach * reach)
+      supported[i] = components.of_vertex[nearest.index];
+  });
+  std::vector<Index> support(static_cast<std::size_t>(components.count), 0);
+  for (const Index component : supported)
+    if (component != kNone) ++support[component];
+  const Index needed = std::min(min_samples, *std::max_element(support.begin(), support.end()));
+
+  std::vector<Index> new_index(mesh.position.size(), kNone);
+  std::vector<Vec3> position;
+  for (Index v = 0; v < mesh.vertex_slots(); ++v) {
+    if (support[components.of_vertex[v]] < needed) continue;
+    new_index[v] = static_cast<Index>(position.size());
+    position.push_back(mesh.position[v]);
+  }
+  std::vector<Triangle> triangles;
+  for (Triangle triangle : mesh.triangles()) {
+    if (new_index[triangle[0]] == kNone) continue;
+    for (Index& v : triangle) v = new_index[v];
+    triangles.push_back(triangle);
+  }
+  mesh = SurfaceMesh::from_triangles(std::move(position), triangles);
+  return static_cast<Index>(
+      std::count_if(support.begin(), support.end(), [&](Index count) { return count < needed; }));
+}
+
 }  // namespace
 
 InitialMesh make_initial_mesh(const PointCloud& cloud, const VoxelSearch& search,
@@ -76,18 +115,25 @@ InitialMesh make_initial_mesh(const PointCloud& cloud, const VoxelSearch& search
   progress.begin(Stage::initial_mesh);
   InitialMesh result;
   {
-    const WindingNumber winding(cloud);
-    VoxelSolid solid(cloud, winding, options, progress);
-    const Index min_samples =
-        std::clamp<Index>(cloud.size() / 100, 4, options.min_component_samples);
+    VoxelSolid solid;
+    {
+      const WindingNumber winding(cloud);
+      solid = make_voxel_solid(cloud, winding, options, progress);
+    }
+    const auto boundary = [&](Index min_samples) {
+      make_well_composed(solid.image, progress);
+      SurfaceMesh mesh = boundary_of(solid.image, solid.lattice, progress);
+      result.report.dropped =
+          drop_unsupported(mesh, cloud, kSupportReach * solid.lattice.size, min_samples);
+      return mesh;
+    };
     progress.set_range(0.6, 0.7);
-    solid.make_well_composed(progress);
+    result.mesh = boundary(std::clamp<Index>(cloud.size() / 100, 4, options.min_component_samples));
     result.report.samples_with_solid_behind = fraction_with_solid_behind(cloud, solid);
-    result.mesh = solid.boundary(min_samples, result.report.dropped);
     if (result.mesh.face_count() == 0) {
-      solid.fill_near_samples();
-      solid.make_well_composed(progress);
-      result.mesh = solid.boundary(1, result.report.dropped);
+      solid.image.mask = solid.near_samples;
+      solid.image.mask.resize(static_cast<std::size_t>(solid.image.bricks.size()), 0);
+      result.mesh = boundary(1);
     }
   }
   if (result.mesh.face_count() == 0)

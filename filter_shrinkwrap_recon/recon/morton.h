@@ -1,6 +1,8 @@
 // Morton (Z-order) keys: nearby points get nearby indices, so that every later loop runs in cache.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <vector>
 
 #include "types.h"
@@ -18,6 +20,19 @@ inline std::uint64_t morton_key(std::uint32_t x, std::uint32_t y, std::uint32_t 
     return (v | v << 2) & 0x1249249249249249ull;
   };
   return spread(x) | spread(y) << 1 | spread(z) << 2;
+}
+
+/// The coordinates of a key: x, y, z.
+inline std::array<std::uint32_t, 3> morton_coordinates(std::uint64_t key) {
+  const auto gather = [](std::uint64_t v) {
+    v &= 0x1249249249249249ull;
+    v = (v | v >> 2) & 0x10c30c30c30c30c3ull;
+    v = (v | v >> 4) & 0x100f00f00f00f00full;
+    v = (v | v >> 8) & 0x001f0000ff0000ffull;
+    v = (v | v >> 16) & 0x001f00000000ffffull;
+    return static_cast<std::uint32_t>((v | v >> 32) & 0x1fffff);
+  };
+  return {gather(key), gather(key >> 1), gather(key >> 2)};
 }
 
 /// The order of points along a Morton curve of 2^21 cells per axis over their bounding cube; points

@@ -1,8 +1,8 @@
-// A sparse voxel grid: bricks of 4 x 4 x 4 voxels where something happens, one state for a whole
-// brick elsewhere.
+// A sparse binary voxel image: bricks of 4 x 4 x 4 voxels, each one 64-bit mask.
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "types.h"
@@ -10,6 +10,10 @@
 namespace shrinkwrap {
 
 using Voxel = std::array<Index, 3>;
+
+inline Voxel operator+(const Voxel& a, const Voxel& b) {
+  return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
 
 /// Maps the coordinates of bricks to indices; memory follows the number of bricks, not the volume.
 class BrickIndex {
@@ -37,7 +41,12 @@ class BrickIndex {
   }
 
   static Voxel brick_of(const Voxel& v) { return {v[0] >> 2, v[1] >> 2, v[2] >> 2}; }
+  /// Number of a voxel in its brick: x fastest, then y, then z.
   static Index offset_of(const Voxel& v) { return (v[2] & 3) << 4 | (v[1] & 3) << 2 | (v[0] & 3); }
+  static Voxel voxel_in(const Voxel& brick, Index offset) {
+    return {brick[0] * kEdge + (offset & 3), brick[1] * kEdge + (offset >> 2 & 3),
+            brick[2] * kEdge + (offset >> 4)};
+  }
 
  private:
   std::size_t slot_of(const Voxel& brick) const {
@@ -51,6 +60,96 @@ class BrickIndex {
 
   std::vector<Voxel> brick_;
   std::vector<Index> slot_;
+};
+
+/// One bit per voxel of a brick, at `BrickIndex::offset_of`.
+using BrickMask = std::uint64_t;
+constexpr BrickMask kAllSolid = ~BrickMask{0};
+
+/// For every voxel of a brick the state of the voxel one further along an axis; `next` is the mask
+/// of the brick one further.
+inline BrickMask state_ahead(int axis, BrickMask mask, BrickMask next) {
+  switch (axis) {
+    case 0:
+      return (mask >> 1 & 0x7777777777777777u) | (next << 3 & 0x8888888888888888u);
+    case 1:
+      return (mask >> 4 & 0x0FFF0FFF0FFF0FFFu) | (next << 12 & 0xF000F000F000F000u);
+    default:
+      return mask >> 16 | next << 48;
+  }
+}
+/// The same for the voxel one before; `previous` is the mask of the brick one before.
+inline BrickMask state_behind(int axis, BrickMask mask, BrickMask previous) {
+  switch (axis) {
+    case 0:
+      return (mask << 1 & 0xEEEEEEEEEEEEEEEEu) | (previous >> 3 & 0x1111111111111111u);
+    case 1:
+      return (mask << 4 & 0xFFF0FFF0FFF0FFF0u) | (previous >> 12 & 0x000F000F000F000Fu);
+    default:
+      return mask << 16 | previous >> 48;
+  }
+}
+
+/// Solid and empty voxels. Bricks in which something happens are there together with all 26 bricks
+/// around them; an unknown brick is like the uniform ones that touch it.
+class VoxelImage {
+ public:
+  BrickIndex bricks;
+  std::vector<BrickMask> mask;  ///< per brick
+
+  /// The index of a brick, which is empty if it is new.
+  Index add(const Voxel& brick) {
+    const Index index = bricks.insert(brick);
+    if (index == static_cast<Index>(mask.size())) mask.push_back(0);
+    return index;
+  }
+  bool is_solid(const Voxel& v) const {
+    const Index brick = bricks.find(BrickIndex::brick_of(v));
+    return brick != kNone && (mask[brick] >> BrickIndex::offset_of(v) & 1);
+  }
+  /// Makes a voxel solid.
+  void fill(const Voxel& v) {
+    const Voxel brick = BrickIndex::brick_of(v);
+    const Index index = add(brick);
+    if (mask[index] == 0)
+      for (Index k = 0; k < 27; ++k) add(brick + Voxel{k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1});
+    mask[index] |= BrickMask{1} << BrickIndex::offset_of(v);
+  }
+  /// The mask of a brick, seen from a known one beside it.
+  BrickMask mask_beside(Index known, const Voxel& brick) const {
+    const Index index = bricks.find(brick);
+    if (index != kNone) return mask[index];
+    return mask[known] == kAllSolid ? kAllSolid : 0;
+  }
+
+  /// States of the 8 voxels v + (k & 1, k >> 1 & 1, k >> 2) for every voxel v of a brick.
+  std::array<BrickMask, 8> states_ahead(Index brick) const {
+    std::array<BrickMask, 8> state = masks_around(brick, 0);
+    for (int axis = 0; axis < 3; ++axis)
+      for (int k = 0; k < 8; ++k)
+        if (!(k >> axis & 1))
+          state[k | 1 << axis] = state_ahead(axis, state[k], state[k | 1 << axis]);
+    return state;
+  }
+  /// States of the 8 voxels v - (1, 1, 1) + (k & 1, k >> 1 & 1, k >> 2): those around the lowest
+  /// corner of v.
+  std::array<BrickMask, 8> states_behind(Index brick) const {
+    std::array<BrickMask, 8> state = masks_around(brick, -1);
+    for (int axis = 0; axis < 3; ++axis)
+      for (int k = 0; k < 8; ++k)
+        if (!(k >> axis & 1)) state[k] = state_behind(axis, state[k | 1 << axis], state[k]);
+    return state;
+  }
+
+ private:
+  std::array<BrickMask, 8> masks_around(Index brick, Index begin) const {
+    std::array<BrickMask, 8> masks;
+    for (int k = 0; k < 8; ++k)
+      masks[k] =
+          mask_beside(brick, bricks.brick(brick) +
+                                 Voxel{begin + (k & 1), begin + (k >> 1 & 1), begin + (k >> 2)});
+    return masks;
+  }
 };
 
 }  // namespace shrinkwrap

@@ -3,357 +3,343 @@
 #include <algorithm>
 #include <cmath>
 
+#include "morton.h"
 #include "parallel.h"
 
 namespace shrinkwrap {
 namespace {
 
-constexpr double kPlaneSigma = 0.75;  // x local spacing: width of the Gaussian of the plane field
-constexpr double kFarMargin =
-    0.1;  // a brick is uniform if the winding number keeps so far from the level
-constexpr double kGreatestSpacing =
-    4;  // x median spacing: no sample reaches farther than if it were so isolated
+constexpr Index kSampleGrain = 1 << 12;
+constexpr Index kBrickGrain = 16;
+// A brick is uniform if the winding number keeps so far from the level.
+constexpr double kFarMargin = 0.1;
+// x median spacing: no sample reaches farther than if it were so isolated.
+constexpr double kGreatestSpacing = 4;
+constexpr double kLeastReach = 1.75;  // x size of a voxel
 constexpr Index kMembraneBricksPerSample = 2;
+// Brick coordinates fit the 21 bits of a Morton key, with room for the bricks around.
+constexpr double kMostVoxelsPerAxis = 1 << 22;
+constexpr Index kKeyOffset = 1 << 19;
 
-constexpr Voxel kSides[6] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-
-Voxel operator+(const Voxel& a, const Voxel& b) {
-  return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+std::uint64_t key_of(const Voxel& brick) {
+  const auto part = [](Index c) { return static_cast<std::uint32_t>(c + kKeyOffset); };
+  return morton_key(part(brick[0]), part(brick[1]), part(brick[2]));
 }
 
-Voxel voxel_in(const Voxel& brick, Index offset) {
-  return {brick[0] * BrickIndex::kEdge + (offset & 3),
-          brick[1] * BrickIndex::kEdge + (offset >> 2 & 3),
-          brick[2] * BrickIndex::kEdge + (offset >> 4)};
+Voxel brick_of_key(std::uint64_t key) {
+  const auto [x, y, z] = morton_coordinates(key);
+  const auto part = [](std::uint32_t c) { return static_cast<Index>(c) - kKeyOffset; };
+  return {part(x), part(y), part(z)};
 }
 
-}  // namespace
-
-VoxelSolid::VoxelSolid(const PointCloud& cloud, const WindingNumber& winding,
-                       const InitialMeshOptions& options, Progress& progress)
-    : cloud_(cloud),
-      winding_(winding),
-      options_(options),
-      size_(options.voxel_size * cloud.spacing) {
-  origin_ = cloud.position.front();
-  for (const Vec3& p : cloud.position) origin_ = origin_.cwiseMin(p);
-  origin_ -= Vec3::Constant(0.5 * size_);
-  progress.set_range(0.0, 0.3);
-  splat(progress);
-  progress.set_range(0.3, 0.5);
-  classify(progress);
-  progress.set_range(0.5, 0.6);
-  follow_level_set(progress);
+void sort_unique(std::vector<std::uint64_t>& keys) {
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
 }
 
-Voxel VoxelSolid::voxel_of(const Vec3& p) const {
-  const Vec3 v = ((p - origin_) / size_).array().floor();
-  return {static_cast<Index>(v.x()), static_cast<Index>(v.y()), static_cast<Index>(v.z())};
-}
-
-Vec3 VoxelSolid::centre_of(const Voxel& v) const {
-  return origin_ + size_ * Vec3(v[0] + 0.5, v[1] + 0.5, v[2] + 0.5);
-}
-
-Index VoxelSolid::add_brick(const Voxel& brick) {
-  const Index before = bricks_.size(), index = bricks_.insert(brick);
-  if (index == before) {
-    const std::size_t voxels = static_cast<std::size_t>(bricks_.size()) * BrickIndex::kVoxels;
-    state_.resize(voxels, empty);
-    distance_sum_.resize(voxels, 0.0f);
-    weight_sum_.resize(voxels, 0.0f);
-    nearest_.resize(voxels, 1e30f);
+VoxelLattice lattice_over(const PointCloud& cloud, const InitialMeshOptions& options) {
+  VoxelLattice lattice;
+  Vec3 low = cloud.position.front(), high = low;
+  for (const Vec3& p : cloud.position) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
   }
-  return index;
+  lattice.size =
+      std::max(options.voxel_size * cloud.spacing, (high - low).maxCoeff() / kMostVoxelsPerAxis);
+  lattice.origin = low - Vec3::Constant(0.5 * lattice.size);
+  return lattice;
 }
 
-void VoxelSolid::splat(Progress& progress) {
-  for (Index i = 0; i < cloud_.size(); ++i) {
-    if (i % 4096 == 0) progress.update(static_cast<double>(i) / cloud_.size());
-    const double s = std::clamp<double>(cloud_.local_spacing[i], cloud_.spacing,
-                                        kGreatestSpacing * cloud_.spacing);
-    const double reach = std::max(options_.blend_end * s, 1.75 * size_);
-    const double sigma = std::max(kPlaneSigma * s, 0.6 * size_);
-    const float sharpness = static_cast<float>(0.5 / (sigma * sigma)),
-                per_s = static_cast<float>(1.0 / s);
-    const Vec3f normal = cloud_.normal[i];
-    const Voxel low = voxel_of(cloud_.position[i] - Vec3::Constant(reach));
-    const Voxel high = voxel_of(cloud_.position[i] + Vec3::Constant(reach));
-    const float reach_squared = static_cast<float>(reach * reach);
-    const Voxel low_brick = BrickIndex::brick_of(low), high_brick = BrickIndex::brick_of(high);
-    Voxel b;
-    for (b[2] = low_brick[2]; b[2] <= high_brick[2]; ++b[2])
-      for (b[1] = low_brick[1]; b[1] <= high_brick[1]; ++b[1])
-        for (b[0] = low_brick[0]; b[0] <= high_brick[0]; ++b[0]) {
-          const std::size_t base = static_cast<std::size_t>(add_brick(b)) * BrickIndex::kVoxels;
-          Voxel first, last;
-          for (int axis = 0; axis < 3; ++axis) {
-            first[axis] = std::max(low[axis], b[axis] * BrickIndex::kEdge);
-            last[axis] = std::min(high[axis], b[axis] * BrickIndex::kEdge + BrickIndex::kEdge - 1);
-          }
-          Voxel v;
-          for (v[2] = first[2]; v[2] <= last[2]; ++v[2])
-            for (v[1] = first[1]; v[1] <= last[1]; ++v[1])
-              for (v[0] = first[0]; v[0] <= last[0]; ++v[0]) {
-                const Vec3f d = (centre_of(v) - cloud_.position[i]).cast<float>();
-                const float squared = d.squaredNorm();
-                if (squared > reach_squared) continue;
-                const std::size_t at = base + BrickIndex::offset_of(v);
-                const float weight = std::exp(-squared * sharpness) + 1e-12f;
-                distance_sum_[at] += weight * d.dot(normal) * per_s;
-                weight_sum_[at] += weight;
-                nearest_[at] = std::min(nearest_[at], squared * per_s * per_s);
-              }
+// Samples binned by the brick that holds them.
+struct SampleBins {
+  BrickIndex bricks;
+  std::vector<Index> begin;   // per brick, and one more
+  std::vector<Index> sample;  // by brick, ascending
+};
+
+SampleBins bin_samples(const PointCloud& cloud, const VoxelLattice& lattice, Progress& progress) {
+  SampleBins bins;
+  std::vector<Voxel> brick(cloud.position.size());
+  parallel_for_each(cloud.size(), kSampleGrain, progress, [&](Index i) {
+    brick[i] = BrickIndex::brick_of(lattice.voxel_of(cloud.position[i]));
+  });
+  std::vector<Index> bin(cloud.position.size());
+  for (Index i = 0; i < cloud.size(); ++i)
+    bin[i] = i > 0 && brick[i] == brick[i - 1] ? bin[i - 1] : bins.bricks.insert(brick[i]);
+  bins.begin.assign(static_cast<std::size_t>(bins.bricks.size()) + 1, 0);
+  for (const Index b : bin) ++bins.begin[b + 1];
+  for (Index b = 0; b < bins.bricks.size(); ++b) bins.begin[b + 1] += bins.begin[b];
+  bins.sample.resize(cloud.position.size());
+  std::vector<Index> cursor(bins.begin.begin(), bins.begin.end() - 1);
+  for (Index i = 0; i < cloud.size(); ++i) bins.sample[cursor[bin[i]]++] = i;
+  return bins;
+}
+
+class Classification {
+ public:
+  Classification(const PointCloud& cloud, const WindingNumber& winding,
+                 const InitialMeshOptions& options)
+      : cloud_(cloud), winding_(winding), options_(options) {}
+
+  VoxelSolid run(Progress& progress) {
+    solid_.lattice = lattice_over(cloud_, options_);
+    progress.set_range(0.0, 0.05);
+    const SampleBins bins = bin_samples(cloud_, solid_.lattice, progress);
+    progress.set_range(0.05, 0.1);
+    add_bricks_in_reach(bins, progress);
+    progress.set_range(0.1, 0.5);
+    parallel_for_each(solid_.image.bricks.size(), kBrickGrain, progress,
+                      [&](Index brick) { classify(brick, bins); });
+    progress.set_range(0.5, 0.6);
+    follow_level_set(progress);
+    solid_.near_samples.resize(solid_.image.mask.size(), 0);
+    return std::move(solid_);
+  }
+
+ private:
+  // What samples say of the 64 voxels of a brick.
+  struct PlaneField {
+    float distance_sum[BrickIndex::kVoxels] = {};  // weighted, x 1/s_i
+    float weight_sum[BrickIndex::kVoxels] = {};    // 0 where no sample reaches
+    float nearest[BrickIndex::kVoxels];            // squared distance of the nearest, x 1/s_i^2
+  };
+
+  double spacing_of(Index sample) const {
+    return std::clamp<double>(cloud_.local_spacing[sample], cloud_.spacing,
+                              kGreatestSpacing * cloud_.spacing);
+  }
+  double reach_of(double spacing) const {
+    return std::max(options_.blend_end * spacing, kLeastReach * solid_.lattice.size);
+  }
+
+  void add_bricks_in_reach(const SampleBins& bins, Progress& progress) {
+    std::vector<std::uint64_t> bricks = parallel_collect<std::uint64_t>(
+        bins.bricks.size(), 64, progress,
+        [&](Index begin, Index end, std::vector<std::uint64_t>& reached) {
+          Voxel last_low{}, last_high{};
+          for (Index bin = begin; bin < end; ++bin)
+            for (Index k = bins.begin[bin]; k < bins.begin[bin + 1]; ++k) {
+              const Index i = bins.sample[k];
+              const Vec3 reach = Vec3::Constant(reach_of(spacing_of(i)));
+              const auto brick_at = [&](const Vec3& p) {
+                return BrickIndex::brick_of(solid_.lattice.voxel_of(p));
+              };
+              const Voxel low = brick_at(cloud_.position[i] - reach),
+                          high = brick_at(cloud_.position[i] + reach);
+              if (!reached.empty() && low == last_low && high == last_high) continue;
+              last_low = low;
+              last_high = high;
+              for (Index z = low[2]; z <= high[2]; ++z)
+                for (Index y = low[1]; y <= high[1]; ++y)
+                  for (Index x = low[0]; x <= high[0]; ++x) reached.push_back(key_of({x, y, z}));
+            }
+          sort_unique(reached);
+        });
+    sort_unique(bricks);
+    for (const std::uint64_t key : bricks) solid_.image.add(brick_of_key(key));
+    solid_.near_samples.assign(bricks.size(), 0);
+    double greatest_reach = 0.0;
+    for (Index i = 0; i < cloud_.size(); ++i)
+      greatest_reach = std::max(greatest_reach, reach_of(spacing_of(i)));
+    bins_around_ =
+        static_cast<Index>(std::ceil(greatest_reach / (BrickIndex::kEdge * solid_.lattice.size)));
+  }
+
+  void gather(const Voxel& brick, const SampleBins& bins, PlaneField& field) const {
+    std::fill(std::begin(field.nearest), std::end(field.nearest), 1e30f);
+    for (Index z = -bins_around_; z <= bins_around_; ++z)
+      for (Index y = -bins_around_; y <= bins_around_; ++y)
+        for (Index x = -bins_around_; x <= bins_around_; ++x) {
+          const Index bin = bins.bricks.find(brick + Voxel{x, y, z});
+          if (bin == kNone) continue;
+          for (Index k = bins.begin[bin]; k < bins.begin[bin + 1]; ++k)
+            splat(bins.sample[k], brick, field);
         }
   }
-}
 
-// Beyond the reach of the plane field the winding number varies slowly: one value serves the 8
-// voxels of an octant of a brick, apart for those that the plane field calls inside, outside or
-// nothing.
-void VoxelSolid::classify(Progress& progress) {
-  const double begin = options_.blend_begin, width = options_.blend_end - options_.blend_begin;
-  parallel_for_each(bricks_.size(), 64, progress, [&](Index brick) {
-    double plane[BrickIndex::kVoxels], trust_winding[BrickIndex::kVoxels];
-    const std::size_t base = static_cast<std::size_t>(brick) * BrickIndex::kVoxels;
-    for (Index offset = 0; offset < BrickIndex::kVoxels; ++offset) {
-      const std::size_t at = base + offset;
-      plane[offset] = -1.0;
-      trust_winding[offset] = 1.0;
-      if (weight_sum_[at] <= 0.0f) continue;
-      plane[offset] = std::clamp(options_.level - distance_sum_[at] / weight_sum_[at], 0.0, 1.0);
-      trust_winding[offset] = std::clamp((std::sqrt(nearest_[at]) - begin) / width, 0.0, 1.0);
+  // Adds the plane of a sample, of weight (1 - (d / reach)^2)^5: close to a Gaussian of 0.75 s.
+  void splat(Index sample, const Voxel& brick, PlaneField& field) const {
+    const double spacing = spacing_of(sample), reach = reach_of(spacing);
+    const Voxel first = {brick[0] * BrickIndex::kEdge, brick[1] * BrickIndex::kEdge,
+                         brick[2] * BrickIndex::kEdge};
+    const Vec3f to_first =
+        (solid_.lattice.centre_of(first) - cloud_.position[sample]).cast<float>();
+    const float size = static_cast<float>(solid_.lattice.size),
+                reach_squared = static_cast<float>(reach * reach),
+                per_reach_squared = 1.0f / reach_squared,
+                per_spacing = static_cast<float>(1.0 / spacing),
+                per_spacing_squared = per_spacing * per_spacing;
+    const Vec3f normal = cloud_.normal[sample];
+    float x[BrickIndex::kEdge];
+    for (int k = 0; k < BrickIndex::kEdge; ++k) x[k] = to_first.x() + size * static_cast<float>(k);
+    const auto gap = [&](float from) {  // of the row of voxel centres, from the sample
+      const float to = from + size * (BrickIndex::kEdge - 1);
+      return from > 0.0f ? from : to < 0.0f ? to : 0.0f;
+    };
+    const float gap_x = gap(to_first.x()), gap_y = gap(to_first.y()), gap_z = gap(to_first.z());
+    if (gap_x * gap_x + gap_y * gap_y + gap_z * gap_z > reach_squared) return;
+    for (int kz = 0; kz < BrickIndex::kEdge; ++kz) {
+      const float z = to_first.z() + size * static_cast<float>(kz);
+      for (int ky = 0; ky < BrickIndex::kEdge; ++ky) {
+        const float y = to_first.y() + size * static_cast<float>(ky);
+        const float row = y * y + z * z, row_dot = y * normal.y() + z * normal.z();
+        if (row + gap_x * gap_x > reach_squared) continue;
+        const int at = kz << 4 | ky << 2;
+        for (int kx = 0; kx < BrickIndex::kEdge; ++kx) {
+          const float squared = row + x[kx] * x[kx];
+          const bool in_reach = squared <= reach_squared;
+          const float rest = in_reach ? 1.0f - squared * per_reach_squared : 0.0f,
+                      rest_squared = rest * rest;
+          const float weight = rest_squared * rest_squared * rest + (in_reach ? 1e-12f : 0.0f);
+          field.distance_sum[at + kx] += weight * (row_dot + x[kx] * normal.x()) * per_spacing;
+          field.weight_sum[at + kx] += weight;
+          field.nearest[at + kx] =
+              std::min(field.nearest[at + kx], in_reach ? squared * per_spacing_squared : 1e30f);
+        }
+      }
     }
+  }
+
+  // Beyond the reach of the plane field the winding number varies slowly: one value serves the 8
+  // voxels of an octant of a brick, apart for those that the plane field calls inside, outside or
+  // nothing. It is not asked for where it cannot tip the balance.
+  void classify(Index index, const SampleBins& bins) {
+    const Voxel brick = solid_.image.bricks.brick(index);
+    PlaneField field;
+    gather(brick, bins, field);
+    const double begin = options_.blend_begin, width = options_.blend_end - options_.blend_begin,
+                 level = options_.level;
+    BrickMask inside = 0, near = 0;
     for (Index octant = 0; octant < 8; ++octant) {
       const Index first = (octant >> 2) << 5 | (octant >> 1 & 1) << 3 | (octant & 1) << 1;
       double shared[3] = {-1.0, -1.0, -1.0};  // winding number by what the plane field says
       for (Index k = 0; k < 8; ++k) {
         const Index offset = first + ((k >> 2) << 4 | (k >> 1 & 1) << 2 | (k & 1));
-        double inside = (1.0 - trust_winding[offset]) * std::max(plane[offset], 0.0);
-        if (trust_winding[offset] > 0.0) {
-          const Voxel v = voxel_in(bricks_.brick(brick), offset);
-          double w;
-          if (plane[offset] > 0.0 && plane[offset] < 1.0) {
-            w = winding_.at(centre_of(v));
-          } else {
-            double& value = shared[plane[offset] < 0.0 ? 0 : plane[offset] > 0.0 ? 1 : 2];
-            if (value == -1.0) value = winding_.at(centre_of(v));
-            w = value;
-          }
-          inside += trust_winding[offset] * w;
+        double plane = -1.0, trust_winding = 1.0;
+        if (field.weight_sum[offset] > 0.0f) {
+          near |= BrickMask{1} << offset;
+          plane = std::clamp<double>(level - field.distance_sum[offset] / field.weight_sum[offset],
+                                     0.0, 1.0);
+          trust_winding = std::clamp(
+              (std::sqrt(static_cast<double>(field.nearest[offset])) - begin) / width, 0.0, 1.0);
         }
-        state_[base + offset] = inside > options_.level ? solid : empty;
+        const double by_plane = (1.0 - trust_winding) * std::max(plane, 0.0);
+        double value = by_plane;
+        if (by_plane <= level && by_plane + trust_winding > level) {
+          const auto winding_here = [&] {
+            return std::clamp(
+                winding_.at(solid_.lattice.centre_of(BrickIndex::voxel_in(brick, offset))), 0.0,
+                1.0);
+          };
+          if (plane > 0.0 && plane < 1.0) {
+            value += trust_winding * winding_here();
+          } else {
+            double& winding = shared[plane < 0.0 ? 0 : plane > 0.0 ? 1 : 2];
+            if (winding == -1.0) winding = winding_here();
+            value += trust_winding * winding;
+          }
+        }
+        if (value > level) inside |= BrickMask{1} << offset;
       }
     }
-  });
-}
-
-// Classifies a brick that no sample reaches; true if the level set passes through it.
-bool VoxelSolid::classify_far_brick(const Voxel& brick, CornerValues& winding_at_corners) {
-  double low = 1e30, high = -1e30;
-  for (int k = 0; k < 8; ++k) {
-    const Voxel corner = {brick[0] + (k & 1), brick[1] + (k >> 1 & 1), brick[2] + (k >> 2)};
-    const Index at = winding_at_corners.index.insert(corner);
-    if (at == static_cast<Index>(winding_at_corners.value.size()))
-      winding_at_corners.value.push_back(
-          winding_.at(origin_ + size_ * BrickIndex::kEdge * Vec3(corner[0], corner[1], corner[2])));
-    low = std::min(low, winding_at_corners.value[at]);
-    high = std::max(high, winding_at_corners.value[at]);
+    solid_.image.mask[index] = inside;
+    solid_.near_samples[index] = near;
   }
-  if (low <= options_.level + kFarMargin && high >= options_.level - kFarMargin) return true;
-  far_bricks_.insert(brick);
-  far_state_.push_back(low > options_.level ? solid : empty);
-  return false;
-}
 
-// Classifies every brick that touches one where something happens, be it at a corner only: the
-// boundary is closed because no face, edge or corner of a brick with voxels meets the unknown.
-void VoxelSolid::follow_level_set(Progress& progress) {
-  CornerValues winding_at_corners;
-  const Index near_bricks = bricks_.size();
-  const Index limit = near_bricks + kMembraneBricksPerSample * cloud_.size() + 4096;
-  for (Index i = 0; i < bricks_.size(); ++i) {
-    if (i % 256 == 0)
-      progress.update(static_cast<double>(i) / std::max(near_bricks, bricks_.size()));
-    const Voxel brick = bricks_.brick(i);
-    for (Index k = 0; k < 27; ++k) {
-      const Voxel neighbour = brick + Voxel{k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
-      if (bricks_.find(neighbour) != kNone || far_bricks_.find(neighbour) != kNone) continue;
-      if (!classify_far_brick(neighbour, winding_at_corners)) continue;
-      if (bricks_.size() >= limit)
+  // Classifies every brick that touches one where something happens, be it at a corner only, and
+  // goes on from those through which the level set of the winding number runs: the boundary is
+  // closed because no brick in which it runs meets the unknown.
+  void follow_level_set(Progress& progress) {
+    VoxelImage& image = solid_.image;
+    const std::int64_t limit =
+        image.bricks.size() + std::int64_t{kMembraneBricksPerSample} * cloud_.size() + 4096;
+    BrickIndex corners;  // of bricks, where the winding number is known
+    std::vector<double> winding;
+    std::vector<Index> front(static_cast<std::size_t>(image.bricks.size()));
+    for (Index i = 0; i < image.bricks.size(); ++i) front[i] = i;
+    std::int64_t active = image.bricks.size();
+    while (!front.empty()) {
+      if (active > limit)
         throw ReconstructionFailed(
             "the surface over the openings of the cloud would be far larger than the surface "
-            "itself: try the other "
-            "way round (leave openings open), or remove stray points");
-      const std::size_t base = static_cast<std::size_t>(add_brick(neighbour)) * BrickIndex::kVoxels;
-      for (Index offset = 0; offset < BrickIndex::kVoxels; ++offset)
-        state_[base + offset] =
-            winding_.at(centre_of(voxel_in(neighbour, offset))) > options_.level ? solid : empty;
-    }
-  }
-}
+            "itself: leave openings open, or remove stray points");
+      const Index known = image.bricks.size();
+      for (const std::uint64_t key : unknown_around(front, progress)) image.add(brick_of_key(key));
+      const Index count = image.bricks.size() - known;
 
-VoxelSolid::State VoxelSolid::state_of(const Voxel& v) const {
-  const Voxel brick = BrickIndex::brick_of(v);
-  const Index index = bricks_.find(brick);
-  if (index != kNone)
-    return static_cast<State>(
-        state_[static_cast<std::size_t>(index) * BrickIndex::kVoxels + BrickIndex::offset_of(v)]);
-  const Index far = far_bricks_.find(brick);
-  return far != kNone ? static_cast<State>(far_state_[far]) : empty;
-}
-
-bool VoxelSolid::contains(const Vec3& p) const {
-  return state_of(voxel_of(p)) == solid;
-}
-
-void VoxelSolid::fill_near_samples() {
-  for (std::size_t at = 0; at < state_.size(); ++at)
-    state_[at] = weight_sum_[at] > 0.0f ? solid : empty;
-  std::fill(far_state_.begin(), far_state_.end(), static_cast<signed char>(empty));
-}
-
-void VoxelSolid::make_well_composed(Progress& progress) {
-  // A cell is the cube of 8 voxels from v to v + (1, 1, 1); corner k is v + (k & 1, k >> 1 & 1, k
-  // >> 2).
-  const auto corner = [](const Voxel& v, int k) {
-    return Voxel{v[0] + (k & 1), v[1] + (k >> 1 & 1), v[2] + (k >> 2)};
-  };
-  static constexpr int kSquares[6][4] = {{0, 1, 2, 3}, {4, 5, 6, 7}, {0, 1, 4, 5},
-                                         {2, 3, 6, 7}, {0, 2, 4, 6}, {1, 3, 5, 7}};
-  std::vector<Voxel> cells = parallel_collect<Voxel>(
-      bricks_.size(), 64, progress, [&](Index begin, Index end, std::vector<Voxel>& mixed) {
-        for (Index brick = begin; brick < end; ++brick)
-          for (Index offset = 0; offset < BrickIndex::kVoxels; ++offset) {
-            const Voxel v = voxel_in(bricks_.brick(brick), offset);
-            int sum = 0;
-            for (int k = 0; k < 8; ++k) sum += state_of(corner(v, k));
-            if (sum > 0 && sum < 8) mixed.push_back(v);
-          }
+      const Index known_corners = corners.size();
+      std::vector<std::array<Index, 8>> corner(static_cast<std::size_t>(count));
+      for (Index i = 0; i < count; ++i)
+        for (Index k = 0; k < 8; ++k)
+          corner[i][k] =
+              corners.insert(image.bricks.brick(known + i) + Voxel{k & 1, k >> 1 & 1, k >> 2});
+      winding.resize(static_cast<std::size_t>(corners.size()));
+      parallel_for_each(corners.size() - known_corners, 64, progress, [&](Index i) {
+        const Voxel& c = corners.brick(known_corners + i);
+        winding[known_corners + i] = winding_.at(solid_.lattice.corner_of(
+            {c[0] * BrickIndex::kEdge, c[1] * BrickIndex::kEdge, c[2] * BrickIndex::kEdge}));
       });
-  std::vector<Voxel> next;
-  while (!cells.empty()) {
-    next.clear();
-    for (const Voxel& cell : cells) {
-      int state[8];
-      for (int k = 0; k < 8; ++k) state[k] = state_of(corner(cell, k));
-      const auto fill = [&](int k) {
-        const Voxel v = corner(cell, k);
-        const Voxel brick = BrickIndex::brick_of(v);
-        const std::size_t base = static_cast<std::size_t>(add_brick(brick)) * BrickIndex::kVoxels;
-        state_[base + BrickIndex::offset_of(v)] = solid;
-        state[k] = 1;
-        for (int q = 0; q < 8; ++q)
-          next.push_back({v[0] - (q & 1), v[1] - (q >> 1 & 1), v[2] - (q >> 2)});
-      };
-      for (const auto& square : kSquares) {
-        const int a = state[square[0]], b = state[square[1]], c = state[square[2]],
-                  d = state[square[3]];
-        if (a && d && !b && !c) fill(square[1]);
-        if (!a && !d && b && c) fill(square[0]);
-      }
-      int sum = 0;
-      for (const int s : state) sum += s;
-      if (sum != 2 && sum != 6) continue;
-      const int odd = sum == 2 ? 1 : 0;
-      for (int k = 0; k < 4; ++k)
-        if (state[k] == odd && state[7 - k] == odd) {
-          fill(odd == 1 ? k ^ 1 : k);
-          break;
-        }
+      front = parallel_collect<Index>(count, kBrickGrain, progress,
+                                      [&](Index begin, Index end, std::vector<Index>& mixed) {
+                                        for (Index i = begin; i < end; ++i)
+                                          if (classify_far(known + i, corner[i], winding))
+                                            mixed.push_back(known + i);
+                                      });
+      active += static_cast<std::int64_t>(front.size());
     }
-    cells.swap(next);
   }
-}
 
-SurfaceMesh VoxelSolid::boundary(Index min_samples, Index& dropped) const {
-  dropped = 0;
-  std::vector<Vec3> position;
-  std::vector<Triangle> triangles;
-  BrickIndex corners;  // reused as a map from lattice corners to vertices
-  const auto vertex = [&](const Voxel& at) {
-    const Index v = corners.insert(at);
-    if (v == static_cast<Index>(position.size()))
-      position.push_back(origin_ + size_ * Vec3(at[0], at[1], at[2]));
-    return v;
-  };
-  // The face between the solid voxel v and its empty neighbour on that side, counter-clockwise from
-  // outside.
-  const auto emit = [&](const Voxel& v, int side) {
-    const int axis = side / 2, u = (axis + 1) % 3, w = (axis + 2) % 3;
-    const bool positive = side % 2 == 0;
-    Voxel at = v;
-    at[axis] += positive;
-    Index quad[4];
-    for (int k = 0; k < 4; ++k) {
-      Voxel p = at;
-      p[u] += k == 1 || k == 2;
-      p[w] += k >= 2;
-      quad[k] = vertex(p);
-    }
-    if (!positive) std::swap(quad[1], quad[3]);
-    const int first = (v[0] + v[1] + v[2]) & 1;  // alternate the diagonals
-    triangles.push_back({quad[first], quad[first + 1], quad[first + 2]});
-    triangles.push_back({quad[first], quad[first + 2], quad[(first + 3) & 3]});
-  };
-  for (Index brick = 0; brick < bricks_.size(); ++brick)
-    for (Index offset = 0; offset < BrickIndex::kVoxels; ++offset) {
-      const Voxel v = voxel_in(bricks_.brick(brick), offset);
-      const bool inside =
-          state_[static_cast<std::size_t>(brick) * BrickIndex::kVoxels + offset] == solid;
-      for (int side = 0; side < 6; ++side) {
-        const Voxel other = v + kSides[side];
-        if (inside) {
-          if (state_of(other) == empty) emit(v, side);
-        } else if (bricks_.find(BrickIndex::brick_of(other)) == kNone && state_of(other) == solid) {
-          emit(other, side ^ 1);
-        }
-      }
-    }
-  if (triangles.empty()) return SurfaceMesh();
-
-  SurfaceMesh mesh = SurfaceMesh::from_triangles(std::move(position), triangles);
-  const MeshComponents components = connected_components(mesh);
-  if (components.count > 1) {
-    std::vector<Index> support(static_cast<std::size_t>(components.count), 0);
-    for (const Vec3& p : cloud_.position) {
-      const Voxel v = voxel_of(p);
-      Index nearest = kNone;
-      double least = 1e30;
-      for (int reach = 1; reach <= 3 && nearest == kNone; ++reach)
-        for (Index z = 1 - reach; z <= reach; ++z)
-          for (Index y = 1 - reach; y <= reach; ++y)
-            for (Index x = 1 - reach; x <= reach; ++x) {
-              const Index at = corners.find({v[0] + x, v[1] + y, v[2] + z});
-              if (at == kNone) continue;
-              const double squared = (mesh.position[at] - p).squaredNorm();
-              if (squared < least) {
-                least = squared;
-                nearest = at;
-              }
+  // Keys of the bricks that touch those given and are not in the image, ascending.
+  std::vector<std::uint64_t> unknown_around(const std::vector<Index>& bricks,
+                                            Progress& progress) const {
+    const BrickIndex& known = solid_.image.bricks;
+    std::vector<std::uint64_t> found = parallel_collect<std::uint64_t>(
+        static_cast<Index>(bricks.size()), 256, progress,
+        [&](Index begin, Index end, std::vector<std::uint64_t>& unknown) {
+          for (Index i = begin; i < end; ++i)
+            for (Index k = 0; k < 27; ++k) {
+              const Voxel brick =
+                  known.brick(bricks[i]) + Voxel{k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+              if (known.find(brick) == kNone) unknown.push_back(key_of(brick));
             }
-      if (nearest != kNone) ++support[components.of_vertex[nearest]];
-    }
-    const Index most = *std::max_element(support.begin(), support.end());
-    const Index needed = std::min(min_samples, most);
-    std::vector<Index> new_index(mesh.position.size(), kNone);
-    std::vector<Vec3> kept;
-    for (Index v = 0; v < mesh.vertex_slots(); ++v)
-      if (support[components.of_vertex[v]] >= needed) {
-        new_index[v] = static_cast<Index>(kept.size());
-        kept.push_back(mesh.position[v]);
-      }
-    for (const Index count : support) dropped += count < needed;
-    std::vector<Triangle> kept_triangles;
-    for (Triangle triangle : triangles) {
-      if (new_index[triangle[0]] == kNone) continue;
-      for (Index& v : triangle) v = new_index[v];
-      kept_triangles.push_back(triangle);
-    }
-    mesh = SurfaceMesh::from_triangles(std::move(kept), kept_triangles);
+          sort_unique(unknown);
+        });
+    sort_unique(found);
+    return found;
   }
-  mesh.compact();
-  return mesh;
+
+  // Fills a brick that no sample reaches; true if the level set runs through it.
+  bool classify_far(Index index, const std::array<Index, 8>& corner,
+                    const std::vector<double>& winding) {
+    double low = 1e30, high = -1e30;
+    for (const Index c : corner) {
+      low = std::min(low, winding[c]);
+      high = std::max(high, winding[c]);
+    }
+    BrickMask& mask = solid_.image.mask[index];
+    mask = 0;
+    if (low > options_.level + kFarMargin) mask = kAllSolid;
+    if (low > options_.level + kFarMargin || high < options_.level - kFarMargin) return false;
+    const Voxel brick = solid_.image.bricks.brick(index);
+    for (Index offset = 0; offset < BrickIndex::kVoxels; ++offset)
+      if (winding_.at(solid_.lattice.centre_of(BrickIndex::voxel_in(brick, offset))) >
+          options_.level)
+        mask |= BrickMask{1} << offset;
+    return true;
+  }
+
+  const PointCloud& cloud_;
+  const WindingNumber& winding_;
+  const InitialMeshOptions& options_;
+  VoxelSolid solid_;
+  Index bins_around_ = 1;  // bricks to each side whose samples may reach a brick
+};
+
+}  // namespace
+
+VoxelSolid make_voxel_solid(const PointCloud& cloud, const WindingNumber& winding,
+                            const InitialMeshOptions& options, Progress& progress) {
+  return Classification(cloud, winding, options).run(progress);
 }
 
 }  // namespace shrinkwrap

@@ -10,7 +10,7 @@ namespace shrinkwrap {
 namespace {
 
 constexpr Index kLeafSamples = 8;
-constexpr double kOpening = 2.0;    // beta: a node is far from this many radii on
+constexpr float kOpening = 2.0f;    // beta: a node is far from this many radii on
 constexpr double kSoftening = 0.5;  // x median spacing
 constexpr double kGreatestSpacing =
     4;  // x median spacing: a lone sample stands for no more area than that
@@ -47,76 +47,97 @@ Index split_of(Index begin, Index end, const std::vector<std::uint64_t>& keys) {
 
 }  // namespace
 
+// What a node needs of its children, in double precision.
+struct WindingNumber::Range {
+  Vec3 centre = Vec3::Zero(), dipole = Vec3::Zero();
+  Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
+  Index begin, end;
+};
+
 WindingNumber::WindingNumber(const PointCloud& cloud)
-    : cloud_(cloud), softening_(kSoftening * kSoftening * cloud.spacing * cloud.spacing) {
+    : dipole_(cloud.position.size()),
+      softening_(static_cast<float>(kSoftening * kSoftening * cloud.spacing * cloud.spacing)) {
+  for (Index i = 0; i < cloud.size(); ++i) {
+    const float side =
+        std::min(cloud.local_spacing[i], static_cast<float>(kGreatestSpacing * cloud.spacing));
+    dipole_[i] = {cloud.position[i].cast<float>(), side * side * cloud.normal[i]};
+  }
   node_.reserve(static_cast<std::size_t>(4 * cloud.size() / kLeafSamples + 8));
   if (cloud.size() > 0) build(0, cloud.size(), morton_keys(cloud.position));
 }
 
-double WindingNumber::area(Index sample) const {
-  const double side =
-      std::min<double>(cloud_.local_spacing[sample], kGreatestSpacing * cloud_.spacing);
-  return side * side;
-}
-
-Index WindingNumber::build(Index begin, Index end, const std::vector<std::uint64_t>& keys) {
+WindingNumber::Range WindingNumber::build(Index begin, Index end,
+                                          const std::vector<std::uint64_t>& keys) {
   const Index me = static_cast<Index>(node_.size());
   node_.emplace_back();
-  Node node{Vec3::Zero(), Vec3::Zero(), Eigen::Matrix3d::Zero(), 0.0, begin, end, 0};
-  double total = 0.0;
+  Range range;
+  range.begin = begin;
+  range.end = end;
   if (end - begin <= kLeafSamples) {
+    double total = 0.0;
     for (Index i = begin; i < end; ++i) {
-      node.centre += area(i) * cloud_.position[i];
-      total += area(i);
+      const double area = dipole_[i].moment.norm();
+      range.centre += area * dipole_[i].position.cast<double>();
+      total += area;
     }
-    node.centre /= total;
+    if (total > 0.0) range.centre /= total;
     for (Index i = begin; i < end; ++i) {
-      const Vec3 offset = cloud_.position[i] - node.centre,
-                 normal = cloud_.normal[i].cast<double>();
-      node.dipole += area(i) * normal;
-      node.moment += area(i) * normal * offset.transpose();
-      node.radius = std::max(node.radius, offset.norm());
+      const Vec3 moment = dipole_[i].moment.cast<double>();
+      range.dipole += moment;
+      range.moment += moment * (dipole_[i].position.cast<double>() - range.centre).transpose();
     }
   } else {
     const Index middle = split_of(begin, end, keys);
-    const Index children[2] = {build(begin, middle, keys), build(middle, end, keys)};
-    for (const Index child : children)
-      node.centre += static_cast<double>(node_[child].end - node_[child].begin) / (end - begin) *
-                     node_[child].centre;
-    for (const Index child : children) {
-      const Node& part = node_[child];
-      const Vec3 offset = part.centre - node.centre;
-      node.dipole += part.dipole;
-      node.moment += part.moment + part.dipole * offset.transpose();
+    const Range children[2] = {build(begin, middle, keys), build(middle, end, keys)};
+    for (const Range& child : children)
+      range.centre += static_cast<double>(child.end - child.begin) / (end - begin) * child.centre;
+    for (const Range& child : children) {
+      range.dipole += child.dipole;
+      range.moment += child.moment + child.dipole * (child.centre - range.centre).transpose();
     }
-    for (Index i = begin; i < end; ++i)
-      node.radius = std::max(node.radius, (cloud_.position[i] - node.centre).squaredNorm());
-    node.radius = std::sqrt(node.radius);
   }
+  Node& node = node_[me];
+  node.centre = range.centre.cast<float>();
+  node.dipole = range.dipole.cast<float>();
+  const Eigen::Matrix3f moment = (0.5 * (range.moment + range.moment.transpose())).cast<float>();
+  node.moment[0] = moment(0, 0);
+  node.moment[1] = moment(1, 1);
+  node.moment[2] = moment(2, 2);
+  node.moment[3] = moment(1, 2);
+  node.moment[4] = moment(2, 0);
+  node.moment[5] = moment(0, 1);
+  float squared_radius = 0.0f;
+  for (Index i = begin; i < end; ++i)
+    squared_radius = std::max(squared_radius, (dipole_[i].position - node.centre).squaredNorm());
+  node.squared_opening = kOpening * kOpening * squared_radius + softening_;
+  node.begin = begin;
+  node.end = end;
   node.skip = static_cast<Index>(node_.size());
-  node_[me] = node;
-  return me;
+  return range;
 }
 
 double WindingNumber::at(const Vec3& query) const {
+  const Vec3f from = query.cast<float>();
   double sum = 0.0;
   const Index nodes = static_cast<Index>(node_.size());
   for (Index i = 0; i < nodes;) {
     const Node& node = node_[i];
-    const Vec3 d = node.centre - query;
-    const double squared = d.squaredNorm();
-    if (squared > kOpening * kOpening * node.radius * node.radius + softening_) {
-      const double inverse = 1.0 / std::sqrt(squared), inverse_squared = inverse * inverse;
-      sum += inverse * inverse_squared *
-             (node.dipole.dot(d) + node.moment.trace() -
-              3.0 * inverse_squared * d.dot(node.moment * d));
+    const Vec3f d = node.centre - from;
+    const float squared = d.squaredNorm();
+    if (squared > node.squared_opening) {
+      const float inverse_squared = 1.0f / squared;
+      const auto& [xx, yy, zz, yz, zx, xy] = node.moment;
+      const float along = d.x() * (xx * d.x() + 2.0f * xy * d.y()) +
+                          d.y() * (yy * d.y() + 2.0f * yz * d.z()) +
+                          d.z() * (zz * d.z() + 2.0f * zx * d.x());
+      sum += std::sqrt(inverse_squared) * inverse_squared *
+             (node.dipole.dot(d) + (xx + yy + zz) - 3.0f * inverse_squared * along);
       i = node.skip;
     } else if (node.end - node.begin <= kLeafSamples) {
       for (Index sample = node.begin; sample < node.end; ++sample) {
-        const Vec3 offset = cloud_.position[sample] - query;
-        const double softened = offset.squaredNorm() + softening_;
-        sum += area(sample) * cloud_.normal[sample].cast<double>().dot(offset) /
-               (softened * std::sqrt(softened));
+        const Vec3f offset = dipole_[sample].position - from;
+        const float softened = offset.squaredNorm() + softening_;
+        sum += dipole_[sample].moment.dot(offset) / (softened * std::sqrt(softened));
       }
       i = node.skip;
     } else {

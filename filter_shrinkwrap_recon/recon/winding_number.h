@@ -9,27 +9,32 @@ namespace shrinkwrap {
 
 /// About 1 inside, 0 outside; across an opening it falls smoothly. Dipoles with their first
 /// derivative in a tree over the Morton order of the samples; the area of a sample is s_i^2;
-/// distances are softened by 0.5 s. Immutable after construction, thread-safe.
+/// distances are softened by 0.5 s. Single precision: a
+/// decision between inside and outside needs no more. Immutable after construction, thread-safe.
 class WindingNumber {
  public:
-  /// Pre: oriented normals; samples in Morton order. O(N). The cloud must outlive the object.
+  /// Pre: oriented normals; samples in Morton order. O(N log N).
   explicit WindingNumber(const PointCloud& cloud);
   double at(const Vec3& query) const;  ///< O(log N)
 
  private:
-  struct Node {
-    Vec3 centre;             // area-weighted
-    Vec3 dipole;             // sum of area x normal
-    Eigen::Matrix3d moment;  // sum of area x normal x (sample - centre)^T
-    double radius;           // of the samples around the centre
-    Index begin, end;        // samples
-    Index skip;              // the node that follows this one's subtree, in depth-first order
+  // A range of samples, in one line of the cache.
+  struct alignas(64) Node {
+    Vec3f centre;           // area-weighted
+    float squared_opening;  // squared distance from the centre from which the moments will do
+    Vec3f dipole;           // sum of area x normal
+    Index skip;             // the node that follows this one's subtree, in depth-first order
+    float moment[6];        // symmetric part of the sum of area x normal x (sample - centre)^T
+    Index begin, end;       // samples
   };
-  Index build(Index begin, Index end, const std::vector<std::uint64_t>& keys);
-  double area(Index sample) const;
+  struct Dipole {
+    Vec3f position, moment;  // area x normal
+  };
+  struct Range;
+  Range build(Index begin, Index end, const std::vector<std::uint64_t>& keys);
 
-  const PointCloud& cloud_;
-  double softening_;  // squared length
+  std::vector<Dipole> dipole_;  // per sample
+  float softening_;             // squared length
   std::vector<Node> node_;
 };
 

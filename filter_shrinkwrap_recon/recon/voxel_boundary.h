@@ -1,0 +1,19 @@
+// The boundary of a voxel image as a closed 2-manifold.
+#pragma once
+
+#include "progress.h"
+#include "surface_mesh.h"
+#include "voxel_solid.h"
+
+namespace shrinkwrap {
+
+/// Adds voxels until no two solid ones, nor two empty ones, meet at an edge or a corner only
+/// (well-composed, Latecki et al. 1995). Parallel but for the repairs; deterministic.
+void make_well_composed(VoxelImage& image, Progress& progress);
+
+/// The mesh between solid and empty voxels: two triangles for each square, vertices at corners of
+/// voxels, oriented outwards; without faces if the image is empty. Pre: well-composed.
+/// Parallel, the same for any number of threads.
+SurfaceMesh boundary_of(const VoxelImage& image, const VoxelLattice& lattice, Progress& progress);
+
+}  // namespace shrinkwrap
