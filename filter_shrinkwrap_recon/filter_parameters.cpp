@@ -26,6 +26,7 @@ constexpr char kBoxRelaxation[] = "BoxRelaxation";
 constexpr char kControlVertices[] = "ControlVertices";
 constexpr char kFitIterations[] = "FitIterations";
 constexpr char kAttraction[] = "Attraction";
+constexpr char kRepairIntersections[] = "RepairIntersections";
 constexpr char kCountIntersections[] = "CountIntersections";
 constexpr char kFailIfIncomplete[] = "FailIfIncomplete";
 
@@ -119,6 +120,13 @@ Parameter neighbours() {
                          "clouds, blurs thin walls and sharp edges. Lowered: finer detail, less "
                          "steady (12 already loses "
                          "thin walls). Unit: samples; range 6 to 64."));
+}
+
+Parameter repair_intersections() {
+  return advanced(boolean(kRepairIntersections, "Repair self-intersections", true,
+                          "Look for faces that cut or touch others, exactly, and flip edges around "
+                          "them until none is left; those that cannot be parted are selected. Off: "
+                          "a little faster, nothing is looked for."));
 }
 
 Parameter count_intersections() {
@@ -216,6 +224,7 @@ std::vector<Parameter> reconstruct_parameters() {
   append(list, initial_mesh_parameters());
   list.push_back(control_vertices());
   append(list, parametric_surface_parameters());
+  list.push_back(repair_intersections());
   list.push_back(count_intersections());
   return list;
 }
@@ -317,7 +326,10 @@ std::vector<Parameter> parameters_of(Filter filter) {
     case Filter::edge_optimisation:
       list = {samples_layer(),
               mesh_layer("The complete matching: a closed 2-manifold. It is not changed."),
-              selected_only(), method(), openings()};
+              selected_only(),
+              method(),
+              openings(),
+              repair_intersections()};
       break;
     case Filter::matching_report:
       list = {samples_layer(), mesh_layer("The mesh to be measured. It is not changed."),
@@ -369,6 +381,7 @@ FilterRequest request_of(Filter filter, const ParameterValues& values) {
   reader.read(kControlVertices, options.control_mesh.target_vertices);
   reader.read(kFitIterations, options.parametric_surface.iterations);
   if (reader.is_on(kAttraction)) reader.read(kAttraction, options.parametric_surface.attraction);
+  reader.read(kRepairIntersections, options.intersection_repair.enabled);
   reader.read(kCountIntersections, options.report.count_self_intersections);
   if (reader.is_on(kOpenings))
     options.complete_matching.openings = CompleteMatchingOptions::Openings::leave_open;

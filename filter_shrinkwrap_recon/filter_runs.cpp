@@ -61,6 +61,12 @@ std::string verdict_of(const MeshReport& report) {
   return text;
 }
 
+std::string repair_line(const RepairReport& report) {
+  return "Self-intersections repaired: " + count_of(report.faces_before, "face") + " met others, " +
+         std::to_string(report.faces_after) + " still do, after " +
+         count_of(report.flips, "edge flip");
+}
+
 std::string surface_verdict(const char* what, const SurfaceMesh& mesh) {
   return kSucceeded + std::string(what) + ", " + std::to_string(mesh.vertex_count()) +
          " vertices, " + std::to_string(mesh.face_count()) + " faces, Euler characteristic " +
@@ -94,6 +100,12 @@ void warn_of(const CompleteMatchingReport& report, std::vector<std::string>& war
   if (report.extra_vertices > 0)
     warnings.push_back(count_of(report.extra_vertices, "vertex", "vertices") +
                        " without a sample span openings and could not be removed without harm.");
+}
+
+void warn_of(const RepairReport& report, std::vector<std::string>& warnings) {
+  if (report.faces_after > 0)
+    warnings.push_back(count_of(report.faces_after, "face") +
+                       " could not be parted from others that they meet: they are selected.");
 }
 
 // --- the samples of a stage that runs on its own ---
@@ -139,7 +151,11 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   warn_of(result.orientation, outcome.warnings);
   warn_of(result.initial_mesh, outcome.warnings);
   warn_of(result.complete_matching, outcome.warnings);
+  warn_of(result.intersection_repair, outcome.warnings);
+  if (result.intersection_repair.faces_before > 0)
+    outcome.log.insert(outcome.log.end() - 1, repair_line(result.intersection_repair));
 
+  outcome.marked_faces = std::move(result.intersection_repair.remaining_faces);
   outcome.layer_suffix =
       request.options.stop_at_parametric_surface ? "shrink wrap parametric surface" : "shrink wrap";
   outcome.mesh = std::move(result.mesh);
@@ -272,11 +288,20 @@ FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterIn
   CompleteMatching matching = matching_of(input, cloud);
   const EdgeOptimisationReport report = optimise_edges(
       matching.mesh, request.options.edge_optimisation, progress, input.marked_faces);
+  const bool leave_open =
+      request.options.complete_matching.openings == CompleteMatchingOptions::Openings::leave_open;
+  const std::vector<Index> dropped = leave_open ? input.marked_faces : std::vector<Index>();
   outcome.log.push_back(count_of(report.flips, "edge") + " re-chosen");
+  if (request.options.intersection_repair.enabled) {
+    const RepairReport repair = repair_self_intersections(
+        matching.mesh, request.options.intersection_repair, progress, dropped);
+    if (repair.faces_before > 0) outcome.log.push_back(repair_line(repair));
+    warn_of(repair, outcome.warnings);
+    outcome.marked_faces = indices_after_drop(repair.remaining_faces, dropped);
+  }
   outcome.log.push_back(surface_verdict("edge optimisation", matching.mesh));
   outcome.mesh = to_result(matching, cloud, input.points);
-  if (request.options.complete_matching.openings == CompleteMatchingOptions::Openings::leave_open)
-    drop_faces(outcome.mesh, input.marked_faces);
+  drop_faces(outcome.mesh, dropped);
   outcome.layer_suffix = "shrink wrap";
   return outcome;
 }

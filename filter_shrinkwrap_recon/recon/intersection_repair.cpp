@@ -21,6 +21,7 @@ constexpr double kLeastHeight = 1e-3;
 constexpr double kLeastUnfolding = 1e-3;
 // Pairs that the first of several flips may add.
 constexpr Index kMaxDetour = 2;
+constexpr std::int64_t kLeastTrials = 50000;
 constexpr Index kPollInterval = 8;
 
 // What is tried in turn, the next where the one before is of no avail.
@@ -62,8 +63,13 @@ double relative_height(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 class Repair {
  public:
-  Repair(SurfaceMesh& mesh, const RepairOptions& options, Progress& progress)
-      : mesh_(mesh), options_(options), progress_(progress), test_(mesh.position) {}
+  Repair(SurfaceMesh& mesh, const RepairOptions& options, Progress& progress,
+         const std::vector<Index>& fixed_faces)
+      : mesh_(mesh),
+        options_(options),
+        progress_(progress),
+        fixed_faces_(fixed_faces),
+        test_(mesh.position) {}
 
   RepairReport run();
 
@@ -99,6 +105,14 @@ class Repair {
 
   HingeShape shape_of(Index h, const Hinge& hinge) const;
   bool is_allowed(Index h, const Hinge& then, HingeShape& shape_now, HingeShape& shape_then) const;
+  // The flip keeps the mesh a manifold and touches no fixed face.
+  bool may_flip(Index h) const {
+    const auto is_fixed = [&](Index f) {
+      return std::binary_search(fixed_faces_.begin(), fixed_faces_.end(), f);
+    };
+    return mesh_.is_flip_legal(h) && !is_fixed(SurfaceMesh::face(h)) &&
+           !is_fixed(SurfaceMesh::face(mesh_.twin(h)));
+  }
   bool flip_if_better(Index h);
   void unfold(const std::vector<Index>& faces);
   bool flip_together(Index h, int count, Index pairs_lost);
@@ -128,6 +142,7 @@ class Repair {
   SurfaceMesh& mesh_;
   const RepairOptions& options_;
   Progress& progress_;
+  const std::vector<Index>& fixed_faces_;  // ascending
   TrianglePairs test_;
   BoxTree tree_;
   double fold_guard_ = 0.0;
@@ -181,7 +196,7 @@ bool Repair::is_allowed(Index h, const Hinge& then, HingeShape& shape_now,
 bool Repair::flip_if_better(Index h) {
   --trials_left_;
   const Index pairs_now = count_pairs(h, hinge_at(h));
-  if (pairs_now == 0 || !mesh_.is_flip_legal(h)) return false;
+  if (pairs_now == 0 || !may_flip(h)) return false;
   const Hinge then = flipped_hinge_at(h);
   HingeShape shape_now, shape_then;
   if (!is_allowed(h, then, shape_now, shape_then)) return false;
@@ -196,7 +211,7 @@ bool Repair::flip_if_better(Index h) {
 // Flips h and at most `count - 1` edges near it if that loses more pairs than it adds, counting
 // `pairs_lost` by flips before. Otherwise leaves the mesh as it was.
 bool Repair::flip_together(Index h, int count, Index pairs_lost) {
-  if (--trials_left_ <= 0 || !mesh_.is_flip_legal(h)) return false;
+  if (--trials_left_ <= 0 || !may_flip(h)) return false;
   const Hinge then = flipped_hinge_at(h);
   HingeShape shape_now, shape_then;
   if (!is_allowed(h, then, shape_now, shape_then)) return false;
@@ -227,7 +242,7 @@ bool Repair::flip_together(Index h, int count, Index pairs_lost) {
 // less sharp and adds no pair.
 void Repair::unfold(const std::vector<Index>& faces) {
   for (Index h : edges_near(faces, 0)) {
-    if (!mesh_.is_flip_legal(h)) continue;
+    if (!may_flip(h)) continue;
     const Hinge now = hinge_at(h), then = flipped_hinge_at(h);
     HingeShape shape_now, shape_then;
     if (!is_allowed(h, then, shape_now, shape_then)) continue;
@@ -288,7 +303,10 @@ RepairReport Repair::run() {
   RepairReport report;
   report.before = static_cast<Index>(pairs.size());
   report.faces_before = static_cast<Index>(faces.size());
-  trials_left_ = std::min(options_.max_trials, options_.max_trials_per_face * report.faces_before);
+  if (pairs.empty()) return report;
+  const std::int64_t max_trials =
+      options_.max_trials > 0 ? options_.max_trials : kLeastTrials + mesh_.face_slots();
+  trials_left_ = std::min(max_trials, options_.max_trials_per_face * report.faces_before);
 
   progress_.set_range(0.8, 1.0);
   std::vector<Index> changed;
@@ -329,6 +347,7 @@ RepairReport Repair::run() {
   progress_.set_range(0.0, 1.0);
   report.after = static_cast<Index>(pairs.size());
   report.faces_after = static_cast<Index>(faces.size());
+  report.remaining_faces = std::move(faces);
   report.flips = flips_;
   return report;
 }
@@ -336,8 +355,8 @@ RepairReport Repair::run() {
 }  // namespace
 
 RepairReport repair_self_intersections(SurfaceMesh& mesh, const RepairOptions& options,
-                                       Progress& progress) {
-  return Repair(mesh, options, progress).run();
+                                       Progress& progress, const std::vector<Index>& fixed_faces) {
+  return Repair(mesh, options, progress, fixed_faces).run();
 }
 
 }  // namespace shrinkwrap

@@ -2,18 +2,21 @@
 // change.
 #pragma once
 
+#include <vector>
+
 #include "progress.h"
 #include "surface_mesh.h"
 
 namespace shrinkwrap {
 
 struct RepairOptions {
+  bool enabled = true;     ///< for the pipeline: repair at all
   int max_rounds = 64;     ///< passes over the edges near the faces that still meet others
   int max_look_ahead = 4;  ///< flips that are tried together where fewer do not help
   /// Hinges looked at bound the time, some 3 us each: for each face that meets another at the
-  /// start, and in all.
+  /// start, and in all; 0: 50,000 and one for each face of the mesh.
   std::int64_t max_trials_per_face = 1000;
-  std::int64_t max_trials = 4000000;
+  std::int64_t max_trials = 0;
   /// Cosine of the sharpest angle between the normals of neighbours that a flip may make anew, as
   /// long as there is another way.
   double fold_guard = -0.3;
@@ -24,6 +27,7 @@ struct RepairReport {
   Index after = 0;
   Index faces_before = 0;  ///< in such pairs
   Index faces_after = 0;
+  std::vector<Index> remaining_faces;  ///< those, ascending
   Index flips = 0;
   int rounds = 0;
 };
@@ -36,7 +40,9 @@ struct RepairReport {
 ///
 /// Finding the pairs costs as much as `self_intersections`; the rest is proportional to the number
 /// of faces in them. Deterministic.
+/// Edges of `fixed_faces` stay, pairs with them are counted.
 RepairReport repair_self_intersections(SurfaceMesh& mesh, const RepairOptions& options,
-                                       Progress& progress);
+                                       Progress& progress,
+                                       const std::vector<Index>& fixed_faces = {});
 
 }  // namespace shrinkwrap

@@ -110,6 +110,7 @@ Reconstruction run(const std::vector<Vec3>& points, const ReconstructionOptions&
     round_to_host(mesh, cloud.frame, options.host_scalar);
     log.add(Stage::parametric_surface, mesh.vertex_count(), in_input_frame);
   }
+  bool is_counted = false;  // self-intersections of the mesh as it is
   if (options.stop_at_parametric_surface) {
     result.mesh = in_input_frame();
   } else {
@@ -119,17 +120,26 @@ Reconstruction run(const std::vector<Vec3>& points, const ReconstructionOptions&
     log.add(Stage::complete_matching, matching.mesh.vertex_count(),
             [&] { return to_result(matching, cloud, points); });
 
-    result.edge_optimisation = optimise_edges(matching.mesh, options.edge_optimisation, progress,
-                                              matching.spanning_faces);
+    result.edge_optimisation =
+        optimise_edges(matching.mesh, options.edge_optimisation, progress, matching.spanning_faces);
+    if (options.intersection_repair.enabled)
+      result.intersection_repair = repair_self_intersections(
+          matching.mesh, options.intersection_repair, progress, matching.opening_faces);
+    is_counted = options.intersection_repair.enabled && matching.opening_faces.empty();
     result.mesh = to_result(matching, cloud, points);
     drop_faces(result.mesh, matching.opening_faces);
+    std::vector<Index>& remaining = result.intersection_repair.remaining_faces;
+    remaining = indices_after_drop(remaining, matching.opening_faces);
     log.add(Stage::edge_optimisation, matching.mesh.vertex_count(), [&] { return result.mesh; });
   }
 
   progress.begin(Stage::report);
   cloud = PointCloud();
+  MeshReportOptions report_options = options.report;
+  if (is_counted) report_options.count_self_intersections = false;
   result.report =
-      measure_mesh(result.mesh.position, result.mesh.triangles, points, options.report, progress);
+      measure_mesh(result.mesh.position, result.mesh.triangles, points, report_options, progress);
+  if (is_counted) result.report.self_intersecting_faces = result.intersection_repair.faces_after;
   log.add(Stage::report, result.report.vertices);
   check_promise(result, options);
   return result;

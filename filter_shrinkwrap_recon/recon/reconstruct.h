@@ -8,6 +8,7 @@
 #include "control_mesh.h"
 #include "edge_optimisation.h"
 #include "initial_mesh.h"
+#include "intersection_repair.h"
 #include "mesh_report.h"
 #include "orientation.h"
 #include "parametric_surface.h"
@@ -24,6 +25,7 @@ struct ReconstructionOptions {
   ParametricSurfaceOptions parametric_surface;
   CompleteMatchingOptions complete_matching;
   EdgeOptimisationOptions edge_optimisation;
+  RepairOptions intersection_repair;  ///< runs at the end of edge optimisation
   MeshReportOptions report;
   HostScalar host_scalar = HostScalar::single_precision;
   bool stop_at_parametric_surface =
@@ -54,6 +56,7 @@ struct Reconstruction {
   ParametricSurfaceReport parametric_surface;
   CompleteMatchingReport complete_matching;
   EdgeOptimisationReport edge_optimisation;
+  RepairReport intersection_repair;  ///< `remaining_faces` are faces of `mesh`
   MeshReport report;
   double spacing = 0.0;  ///< median sample spacing, input length
 };

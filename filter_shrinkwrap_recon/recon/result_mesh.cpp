@@ -87,6 +87,18 @@ void drop_faces(ResultMesh& mesh, const std::vector<Index>& faces) {
     for (Index& v : triangle) v = new_index[v];
 }
 
+std::vector<Index> indices_after_drop(const std::vector<Index>& faces,
+                                      const std::vector<Index>& dropped) {
+  std::vector<Index> left;
+  auto next = dropped.begin();
+  for (const Index f : faces) {
+    while (next != dropped.end() && *next < f) ++next;
+    if (next == dropped.end() || *next != f)
+      left.push_back(f - static_cast<Index>(next - dropped.begin()));
+  }
+  return left;
+}
+
 SurfaceMesh to_surface(const ResultMesh& mesh, const Frame& frame) {
   std::vector<Vec3> position(mesh.position.size());
   for (std::size_t v = 0; v < position.size(); ++v) position[v] = frame.to_unit(mesh.position[v]);

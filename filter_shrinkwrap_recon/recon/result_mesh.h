@@ -31,6 +31,10 @@ ResultMesh to_result(const CompleteMatching& matching, const PointCloud& cloud,
 /// Drops faces (indices ascending) and the extra vertices that are left without a face: a mesh with
 /// openings.
 void drop_faces(ResultMesh& mesh, const std::vector<Index>& faces);
+/// What `drop_faces(mesh, dropped)` made of the indices of faces (both ascending); those dropped
+/// are left out.
+std::vector<Index> indices_after_drop(const std::vector<Index>& faces,
+                                      const std::vector<Index>& dropped);
 
 /// The way back for a stage that starts from such a mesh: in the unit frame, same vertex and face
 /// order. Throws InvalidInput if it is not a closed, consistently oriented 2-manifold.

@@ -1,0 +1,204 @@
+// Meshes spoilt on purpose, and what the repair makes of them.
+#include "intersection_repair.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "expect_mesh.h"
+#include "self_intersection.h"
+#include "shapes.h"
+
+namespace shrinkwrap {
+namespace {
+
+using testing::expect_closed_manifold;
+using testing::expect_same_mesh;
+using testing::icosphere;
+using testing::Random;
+using testing::torus_mesh;
+
+Index count_pairs(const SurfaceMesh& mesh) {
+  Progress progress;
+  return static_cast<Index>(self_intersections(mesh.position, mesh.triangles(), progress).size());
+}
+
+RepairReport repair(SurfaceMesh& mesh, const RepairOptions& options = {}) {
+  Progress progress;
+  return repair_self_intersections(mesh, options, progress);
+}
+
+// The whole promise, but for how much is healed.
+void expect_honest(const RepairReport& report, const SurfaceMesh& before, const SurfaceMesh& after,
+                   Index components, Index genus) {
+  EXPECT_EQ(report.before, count_pairs(before));
+  EXPECT_EQ(report.after, count_pairs(after));
+  EXPECT_LE(report.after, report.before);
+  EXPECT_EQ(after.position, before.position) << "samples may not move";
+  EXPECT_EQ(after.vertex_count(), before.vertex_count());
+  expect_closed_manifold(after, components, genus);
+}
+
+void flip_at_random(SurfaceMesh& mesh, Index count, Random& random) {
+  while (count > 0) {
+    const Index h = random.below(mesh.halfedge_slots());
+    if (!mesh.is_flip_legal(h)) continue;
+    mesh.flip(h);
+    --count;
+  }
+}
+
+void shake(SurfaceMesh& mesh, double part_of_edge, Random& random) {
+  const double edge = (mesh.position[mesh.target(0)] - mesh.position[mesh.origin(0)]).norm();
+  for (Vec3& p : mesh.position) p += part_of_edge * edge * random.in_cube();
+}
+
+TEST(IntersectionRepair, LeavesAGoodMeshAlone) {
+  SurfaceMesh mesh = torus_mesh(40, 20);
+  const SurfaceMesh before = mesh;
+  const RepairReport report = repair(mesh);
+  EXPECT_EQ(report.before, 0);
+  EXPECT_EQ(report.after, 0);
+  EXPECT_EQ(report.flips, 0);
+  expect_same_mesh(mesh, before);
+}
+
+TEST(IntersectionRepair, HealsRandomFlips) {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    SurfaceMesh mesh = torus_mesh(60, 24);
+    shake(mesh, 0.1, random);
+    flip_at_random(mesh, 500, random);
+    const SurfaceMesh before = mesh;
+    const RepairReport report = repair(mesh);
+    EXPECT_GT(report.before, 10);
+    EXPECT_EQ(report.after, 0);
+    EXPECT_GT(report.flips, 0);
+    expect_honest(report, before, mesh, 1, 1);
+  }
+}
+
+TEST(IntersectionRepair, HealsShakenVertices) {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    SurfaceMesh mesh = icosphere(4);
+    shake(mesh, 0.5, random);
+    const SurfaceMesh before = mesh;
+    const RepairReport report = repair(mesh);
+    EXPECT_GT(report.before, 10);
+    EXPECT_EQ(report.after, 0);
+    expect_honest(report, before, mesh, 1, 0);
+  }
+}
+
+TEST(IntersectionRepair, DoesWhatItCanOnAHopelessMesh) {
+  for (unsigned seed = 0; seed < 3; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    SurfaceMesh mesh = icosphere(2);
+    for (Vec3& p : mesh.position) p = random.in_cube();
+    const SurfaceMesh before = mesh;
+    RepairOptions options;
+    options.max_trials = 5000;
+    const RepairReport report = repair(mesh, options);
+    EXPECT_GT(report.after, 0);
+    EXPECT_LT(report.after, report.before);
+    expect_honest(report, before, mesh, 1, 0);
+  }
+}
+
+TEST(IntersectionRepair, CannotPartTwoSpheresButStops) {
+  std::vector<Vec3> positions;
+  std::vector<Triangle> triangles;
+  for (const Vec3& shift : {Vec3(0, 0, 0), Vec3(0.9, 0.3, 0.2)}) {
+    const SurfaceMesh sphere = icosphere(2);
+    const Index first = static_cast<Index>(positions.size());
+    for (const Vec3& p : sphere.position) positions.push_back(p + shift);
+    for (const Triangle& t : sphere.triangles())
+      triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  SurfaceMesh mesh = SurfaceMesh::from_triangles(positions, triangles);
+  const SurfaceMesh before = mesh;
+  RepairOptions options;
+  options.max_trials_per_face = 100;
+  const RepairReport report = repair(mesh, options);
+  EXPECT_GT(report.after, 0);
+  expect_honest(report, before, mesh, 2, 0);
+}
+
+TEST(IntersectionRepair, NoTrialsNoFlips) {
+  Random random(1);
+  SurfaceMesh mesh = icosphere(3);
+  shake(mesh, 0.5, random);
+  const SurfaceMesh before = mesh;
+  RepairOptions options;
+  options.max_trials_per_face = 0;
+  const RepairReport report = repair(mesh, options);
+  EXPECT_EQ(report.flips, 0);
+  EXPECT_EQ(report.after, report.before);
+  expect_same_mesh(mesh, before);
+}
+
+TEST(IntersectionRepair, FixedFacesStay) {
+  Random random(5);
+  SurfaceMesh mesh = torus_mesh(60, 24);
+  flip_at_random(mesh, 300, random);
+  std::vector<Index> fixed(static_cast<std::size_t>(mesh.face_slots()) / 2);
+  std::iota(fixed.begin(), fixed.end(), 0);
+  const SurfaceMesh before = mesh;
+  Progress progress;
+  const RepairReport report = repair_self_intersections(mesh, {}, progress, fixed);
+  EXPECT_GT(report.flips, 0);
+  for (const Index f : fixed) EXPECT_EQ(mesh.triangle(f), before.triangle(f));
+  expect_honest(report, before, mesh, 1, 1);
+}
+
+TEST(IntersectionRepair, SameEveryTimeAndAfterRemovals) {
+  Random random(7);
+  SurfaceMesh mesh = icosphere(4);
+  // Removed faces leave free slots, which must not matter.
+  for (int i = 0; i < 200; ++i) {
+    const Index h = random.below(mesh.halfedge_slots());
+    if (!mesh.is_removed_face(SurfaceMesh::face(h)) && mesh.is_collapse_legal(h)) mesh.collapse(h);
+  }
+  shake(mesh, 0.5, random);
+  SurfaceMesh again = mesh;
+  const RepairReport first = repair(mesh), second = repair(again);
+  EXPECT_GT(first.before, 0);
+  EXPECT_EQ(first.flips, second.flips);
+  EXPECT_EQ(mesh.triangles(), again.triangles());
+  EXPECT_EQ(first.after, count_pairs(mesh));
+  EXPECT_TRUE(mesh.is_consistent());
+}
+
+TEST(IntersectionRepair, MakesNoFaceDegenerate) {
+  // On a lattice collinear and coplanar corners abound, and degenerate faces would meet nothing.
+  Random random(3);
+  SurfaceMesh mesh = icosphere(3);
+  for (Vec3& p : mesh.position) p = (8.0 * p).array().round().matrix();
+  const auto count_degenerate = [](const SurfaceMesh& m) {
+    Index count = 0;
+    for (Index f = 0; f < m.face_slots(); ++f) count += m.area_vector(f).isZero(0.0) ? 1 : 0;
+    return count;
+  };
+  flip_at_random(mesh, 200, random);
+  const Index degenerate_before = count_degenerate(mesh);
+  const SurfaceMesh before = mesh;
+  const RepairReport report = repair(mesh);
+  EXPECT_GT(report.before, 0);
+  EXPECT_LE(count_degenerate(mesh), degenerate_before);
+  expect_honest(report, before, mesh, 1, 0);
+}
+
+TEST(IntersectionRepair, CanBeCancelled) {
+  Random random(1);
+  SurfaceMesh mesh = icosphere(4);
+  shake(mesh, 0.6, random);
+  Progress progress([](double, const char*) { return false; }, {Stage::edge_optimisation});
+  EXPECT_THROW(repair_self_intersections(mesh, {}, progress), Cancelled);
+}
+
+}  // namespace
+}  // namespace shrinkwrap
