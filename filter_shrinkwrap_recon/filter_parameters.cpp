@@ -191,10 +191,12 @@ Parameter control_vertices() {
 
 std::vector<Parameter> parametric_surface_parameters() {
   return {
-      advanced(number(Kind::integer, kFitIterations, "Fitting iterations", 5, 0, 200,
-                      "Steps in which the surface moves onto the samples after each subdivision. "
-                      "Raised: closer, slower; "
-                      "4 to 8 are useful. Lowered: smoother. Range 0 to 200.")),
+      advanced(number(
+          Kind::integer, kFitIterations, "Fitting iterations", 5, 0, 200,
+          "Steps in which the surface moves onto the samples after each subdivision (half as "
+          "many after the last). "
+          "Raised: closer, slower; "
+          "4 to 8 are useful. Lowered: smoother. Range 0 to 200.")),
       advanced(number(Kind::real, kAttraction, "Attraction", 0.0, 0.0, 1.0,
                       "Lambda of eq. 14: the part of the way to the samples that a vertex goes in "
                       "one step; 0: what the "

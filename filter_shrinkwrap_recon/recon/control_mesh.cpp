@@ -6,6 +6,7 @@
 
 #include "parallel.h"
 #include "quadric.h"
+#include "vertex_blocks.h"
 
 namespace shrinkwrap {
 namespace {
@@ -19,6 +20,7 @@ constexpr double kSweepSurplus = 1.25;
 // Share of the edges that one sweep may contract, by cost.
 constexpr double kSweepQuantile = 0.3;
 constexpr int kMaxSweeps = 40;
+constexpr Index kProbeStride = 32;  // one edge of so many is asked for its cost
 
 std::vector<Quadric> vertex_quadrics(const SurfaceMesh& mesh, bool area_weighted) {
   Progress silent;
@@ -70,25 +72,14 @@ class Contraction {
   // edge that is among the cheaper ones of the whole mesh.
   void sweep() {
     const Index stop = static_cast<Index>(std::ceil(kSweepSurplus * target_));
+    if (mesh_.vertex_count() <= stop) return;
+    progress_.set_range(0.0, 0.1);
+    const VertexBlocks blocks(mesh_.position, progress_);
     for (int sweep = 0; sweep < kMaxSweeps && mesh_.vertex_count() > stop; ++sweep) {
       const Index before = mesh_.vertex_count();
-      const double threshold = cost_quantile();
-      for (Index v = 0; v < mesh_.vertex_slots() && mesh_.vertex_count() > stop; ++v) {
-        if (v % 1024 == 0) report();
-        if (mesh_.is_removed_vertex(v)) continue;
-        Index cheapest = kNone;
-        double least = threshold;
-        Vec3 place = Vec3::Zero();
-        mesh_.for_each_outgoing(v, [&](Index h) {
-          Vec3 p;
-          const double cost = contraction_cost(h, p);
-          if (cost > least) return;
-          least = cost;
-          cheapest = h;
-          place = p;
-        });
-        if (cheapest != kNone) contract(cheapest, place);
-      }
+      const double part_done = static_cast<double>(before_ - before) / (before_ - target_);
+      progress_.set_range(0.1 + 0.7 * part_done, 0.8);
+      sweep_once(blocks, before - stop);
       if (before - mesh_.vertex_count() < before / 200) break;
     }
   }
@@ -106,8 +97,11 @@ class Contraction {
       if (mesh_.origin(h) != kNone && h < mesh_.twin(h)) heap.push_back(candidate(h));
     std::make_heap(heap.begin(), heap.end(), is_dearer);
     Index steps = 0;
+    const Index begin = mesh_.vertex_count();
+    progress_.set_range(0.8, 1.0);
     while (mesh_.vertex_count() > target_ && !heap.empty()) {
-      if (++steps % 1024 == 0) report();
+      if (++steps % 1024 == 0)
+        progress_.update(static_cast<double>(begin - mesh_.vertex_count()) / (begin - target_));
       std::pop_heap(heap.begin(), heap.end(), is_dearer);
       const Candidate top = heap.back();
       heap.pop_back();
@@ -135,18 +129,73 @@ class Contraction {
     return sum.cost(place);
   }
 
-  double cost_quantile() const {
-    std::vector<float> costs;
-    Index seen = 0;
-    for (Index h = 0; h < mesh_.halfedge_slots(); ++h) {
-      if (mesh_.origin(h) == kNone || h > mesh_.twin(h) || seen++ % 32 != 0) continue;
-      Vec3 place;
-      costs.push_back(static_cast<float>(contraction_cost(h, place)));
-    }
-    const auto middle =
-        costs.begin() + static_cast<std::ptrdiff_t>(kSweepQuantile * (costs.size() - 1));
+  // The share `quantile` of the edges costs less than this.
+  double cost_quantile(double quantile) const {
+    std::vector<float> costs = parallel_collect<float>(
+        mesh_.halfedge_slots(), kGrain, progress_,
+        [&](Index begin, Index end, std::vector<float>& some) {
+          Index seen = 0;
+          for (Index h = begin; h < end; ++h) {
+            if (mesh_.origin(h) == kNone || h > mesh_.twin(h) || seen++ % kProbeStride != 0)
+              continue;
+            Vec3 place;
+            some.push_back(static_cast<float>(contraction_cost(h, place)));
+          }
+        });
+    if (costs.empty()) return 0.0;
+    const auto middle = costs.begin() + static_cast<std::ptrdiff_t>(
+                                            quantile * static_cast<double>(costs.size() - 1));
     std::nth_element(costs.begin(), middle, costs.end());
     return *middle;
+  }
+
+  // Contracts at most about `surplus` edges: every block its share.
+  void sweep_once(const VertexBlocks& blocks, Index surplus) {
+    const Index count = mesh_.vertex_count();
+    const double share = static_cast<double>(surplus) / count;
+    const double threshold = cost_quantile(std::min(kSweepQuantile, share));
+    const auto seed = [&](Index v, std::vector<Index>& vertices) {
+      if (!mesh_.is_removed_vertex(v)) vertices.push_back(v);
+    };
+    const auto anchor = [](Index v) { return v; };
+    const auto work = [&](const BlockOwner& owner, std::vector<Index>& vertices) {
+      const auto owns_ring = [&](Index v) {
+        bool owns = owner.owns(v);
+        if (owns) mesh_.for_each_outgoing(v, [&](Index h) { owns &= owner.owns(mesh_.target(h)); });
+        return owns;
+      };
+      Index left = static_cast<Index>(share * static_cast<double>(vertices.size()));
+      std::vector<Index> deferred;
+      Index seen = 0;
+      for (const Index v : vertices) {
+        if (left == 0) break;
+        if (owner.is_last() && ++seen % 1024 == 0) progress_.update(1.0);
+        if (mesh_.is_removed_vertex(v)) continue;
+        if (!owns_ring(v)) {
+          deferred.push_back(v);
+          continue;
+        }
+        Index cheapest = kNone;
+        double least = threshold;
+        Vec3 place = Vec3::Zero();
+        mesh_.for_each_outgoing(v, [&](Index h) {
+          if (mesh_.target(h) < v) return;  // every edge from its lower end only
+          Vec3 p;
+          const double cost = contraction_cost(h, p);
+          if (cost > least) return;
+          least = cost;
+          cheapest = h;
+          place = p;
+        });
+        if (cheapest == kNone) continue;
+        if (!owns_ring(mesh_.target(cheapest)))
+          deferred.push_back(v);
+        else if (contract(cheapest, place))
+          --left;
+      }
+      vertices.swap(deferred);
+    };
+    run_in_blocks(blocks, progress_, seed, anchor, work);
   }
 
   // True if moving v to `place` turns one of its faces, other than those on the edge to `partner`,
@@ -173,12 +222,6 @@ class Contraction {
     mesh_.position[b] = place;
     quadric_[b] += quadric_[a];
     return true;
-  }
-
-  void report() {
-    const double to_go =
-        static_cast<double>(mesh_.vertex_count() - target_) / std::max<Index>(before_ - target_, 1);
-    progress_.update(1.0 - to_go);
   }
 
   SurfaceMesh& mesh_;

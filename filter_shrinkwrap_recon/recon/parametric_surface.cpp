@@ -196,17 +196,21 @@ ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud&
   const Fitting fitting(cloud, search, options);
   SurfaceMesh mesh = std::move(control);
   Distances distances;
-  for (int level = 0; level < options.subdivisions ||
-                      (mesh.vertex_count() < cloud.size() / 2 && level <= options.subdivisions);
-       ++level) {
+  const auto goes_on = [&](int level) {
+    return level < options.subdivisions ||
+           (mesh.vertex_count() < cloud.size() / 2 && level <= options.subdivisions);
+  };
+  for (int level = 0; goes_on(level); ++level) {
     mesh = loop_subdivide(mesh);
     mesh.compact();
     ++result.report.subdivisions;
+    const bool is_last = !goes_on(level + 1);
+    const int iterations = is_last ? (options.iterations + 1) / 2 : options.iterations;
     std::vector<Index> hint;
-    for (int iteration = 0; iteration < options.iterations; ++iteration) {
-      const double share =
-          (level == 0 ? 0.0 : 0.2) + (level == 0 ? 0.2 : 0.8) * iteration / options.iterations;
-      progress.set_range(share, share + (level == 0 ? 0.2 : 0.8) / options.iterations);
+    for (int iteration = 0; iteration < iterations; ++iteration) {
+      const double begin = is_last ? 0.3 : 0.1 * level, width = is_last ? 0.7 : 0.1;
+      progress.set_range(begin + width * iteration / iterations,
+                         begin + width * (iteration + 1) / iterations);
       distances = fitting.iterate(mesh, hint, progress);
     }
   }

@@ -14,7 +14,9 @@ struct ParametricSurfaceOptions {
   };
   Target target = Target::tangent_plane;
   int subdivisions = 2;  ///< a third is added while there are fewer vertices than half the samples
-  int iterations = 5;    ///< fitting iterations after each subdivision
+  /// Fitting iterations after each subdivision; half as many, rounded up, after the last, which
+  /// starts from a surface that fits already.
+  int iterations = 5;
   double attraction = 0.7;    ///< lambda of eq. 14, in [0, 1]
   double relaxation = 0.2;    ///< tangential, per iteration
   bool move_to_limit = true;  ///< return limit positions (eq. 13) in place of control positions
