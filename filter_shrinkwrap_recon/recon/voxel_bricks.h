@@ -53,9 +53,13 @@ class BrickIndex {
     std::uint64_t key = 0;
     for (const Index c : brick) key = (key ^ static_cast<std::uint32_t>(c)) * 0x9E3779B97F4A7C15ull;
     std::size_t slot = static_cast<std::size_t>(key ^ key >> 29) & (slot_.size() - 1);
-    while (slot_[slot] != kNone && brick_[slot_[slot]] != brick)
+    while (slot_[slot] != kNone && !is_same(brick_[slot_[slot]], brick))
       slot = (slot + 1) & (slot_.size() - 1);
     return slot;
+  }
+
+  static bool is_same(const Voxel& a, const Voxel& b) {
+    return ((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) == 0;
   }
 
   std::vector<Voxel> brick_;

@@ -50,14 +50,24 @@ VoxelLattice lattice_over(const PointCloud& cloud, const InitialMeshOptions& opt
   return lattice;
 }
 
+// The plane of a sample; lengths in voxels, so that single precision will do.
+struct SamplePlane {
+  Vec3f position;  // from the lowest corner of the brick that holds it
+  Vec3f normal;
+  float reach;
+  float per_spacing;
+};
+
 // Samples binned by the brick that holds them.
 struct SampleBins {
   BrickIndex bricks;
-  std::vector<Index> begin;   // per brick, and one more
-  std::vector<Index> sample;  // by brick, ascending
+  std::vector<Index> begin;        // per brick, and one more
+  std::vector<SamplePlane> plane;  // by brick, in the order of the samples
+  float greatest_reach = 0.0f;
 };
 
-SampleBins bin_samples(const PointCloud& cloud, const VoxelLattice& lattice, Progress& progress) {
+SampleBins bin_samples(const PointCloud& cloud, const VoxelLattice& lattice,
+                       const InitialMeshOptions& options, Progress& progress) {
   SampleBins bins;
   std::vector<Voxel> brick(cloud.position.size());
   parallel_for_each(cloud.size(), kSampleGrain, progress, [&](Index i) {
@@ -69,9 +79,27 @@ SampleBins bin_samples(const PointCloud& cloud, const VoxelLattice& lattice, Pro
   bins.begin.assign(static_cast<std::size_t>(bins.bricks.size()) + 1, 0);
   for (const Index b : bin) ++bins.begin[b + 1];
   for (Index b = 0; b < bins.bricks.size(); ++b) bins.begin[b + 1] += bins.begin[b];
-  bins.sample.resize(cloud.position.size());
+  std::vector<Index> place(cloud.position.size());
   std::vector<Index> cursor(bins.begin.begin(), bins.begin.end() - 1);
-  for (Index i = 0; i < cloud.size(); ++i) bins.sample[cursor[bin[i]]++] = i;
+  for (Index i = 0; i < cloud.size(); ++i) place[i] = cursor[bin[i]]++;
+
+  bins.plane.resize(cloud.position.size());
+  parallel_for_each(cloud.size(), kSampleGrain, progress, [&](Index i) {
+    const double spacing = std::clamp<double>(cloud.local_spacing[i], cloud.spacing,
+                                              kGreatestSpacing * cloud.spacing) /
+                           lattice.size;
+    const Voxel& holder = brick[i];
+    const Vec3 corner(holder[0], holder[1], holder[2]);
+    SamplePlane& plane = bins.plane[place[i]];
+    plane.position = ((cloud.position[i] - lattice.origin) / lattice.size -
+                      static_cast<double>(BrickIndex::kEdge) * corner)
+                         .cast<float>();
+    plane.normal = cloud.normal[i];
+    plane.reach = static_cast<float>(std::max(options.blend_end * spacing, kLeastReach));
+    plane.per_spacing = static_cast<float>(1.0 / spacing);
+  });
+  for (const SamplePlane& plane : bins.plane)
+    bins.greatest_reach = std::max(bins.greatest_reach, plane.reach);
   return bins;
 }
 
@@ -84,7 +112,7 @@ class Classification {
   VoxelSolid run(Progress& progress) {
     solid_.lattice = lattice_over(cloud_, options_);
     progress.set_range(0.0, 0.05);
-    const SampleBins bins = bin_samples(cloud_, solid_.lattice, progress);
+    const SampleBins bins = bin_samples(cloud_, solid_.lattice, options_, progress);
     progress.set_range(0.05, 0.1);
     add_bricks_in_reach(bins, progress);
     progress.set_range(0.1, 0.5);
@@ -104,14 +132,6 @@ class Classification {
     float nearest[BrickIndex::kVoxels];            // squared distance of the nearest, x 1/s_i^2
   };
 
-  double spacing_of(Index sample) const {
-    return std::clamp<double>(cloud_.local_spacing[sample], cloud_.spacing,
-                              kGreatestSpacing * cloud_.spacing);
-  }
-  double reach_of(double spacing) const {
-    return std::max(options_.blend_end * spacing, kLeastReach * solid_.lattice.size);
-  }
-
   void add_bricks_in_reach(const SampleBins& bins, Progress& progress) {
     std::vector<std::uint64_t> bricks = parallel_collect<std::uint64_t>(
         bins.bricks.size(), 64, progress,
@@ -119,13 +139,15 @@ class Classification {
           Voxel last_low{}, last_high{};
           for (Index bin = begin; bin < end; ++bin)
             for (Index k = bins.begin[bin]; k < bins.begin[bin + 1]; ++k) {
-              const Index i = bins.sample[k];
-              const Vec3 reach = Vec3::Constant(reach_of(spacing_of(i)));
-              const auto brick_at = [&](const Vec3& p) {
-                return BrickIndex::brick_of(solid_.lattice.voxel_of(p));
-              };
-              const Voxel low = brick_at(cloud_.position[i] - reach),
-                          high = brick_at(cloud_.position[i] + reach);
+              const SamplePlane& plane = bins.plane[k];
+              Voxel low = bins.bricks.brick(bin), high = low;
+              for (int axis = 0; axis < 3; ++axis) {
+                const auto bricks_off = [&](float voxels) {
+                  return static_cast<Index>(std::floor(voxels / BrickIndex::kEdge));
+                };
+                low[axis] += bricks_off(plane.position[axis] - plane.reach);
+                high[axis] += bricks_off(plane.position[axis] + plane.reach);
+              }
               if (!reached.empty() && low == last_low && high == last_high) continue;
               last_low = low;
               last_high = high;
@@ -138,60 +160,55 @@ class Classification {
     sort_unique(bricks);
     for (const std::uint64_t key : bricks) solid_.image.add(brick_of_key(key));
     solid_.near_samples.assign(bricks.size(), 0);
-    double greatest_reach = 0.0;
-    for (Index i = 0; i < cloud_.size(); ++i)
-      greatest_reach = std::max(greatest_reach, reach_of(spacing_of(i)));
-    bins_around_ =
-        static_cast<Index>(std::ceil(greatest_reach / (BrickIndex::kEdge * solid_.lattice.size)));
   }
 
-  void gather(const Voxel& brick, const SampleBins& bins, PlaneField& field) const {
+  static void gather(const Voxel& brick, const SampleBins& bins, PlaneField& field) {
     std::fill(std::begin(field.nearest), std::end(field.nearest), 1e30f);
-    for (Index z = -bins_around_; z <= bins_around_; ++z)
-      for (Index y = -bins_around_; y <= bins_around_; ++y)
-        for (Index x = -bins_around_; x <= bins_around_; ++x) {
+    // Bins to each side whose samples may reach the brick.
+    const Index around = static_cast<Index>(std::ceil(bins.greatest_reach / BrickIndex::kEdge));
+    for (Index z = -around; z <= around; ++z)
+      for (Index y = -around; y <= around; ++y)
+        for (Index x = -around; x <= around; ++x) {
           const Index bin = bins.bricks.find(brick + Voxel{x, y, z});
           if (bin == kNone) continue;
+          const Vec3f to_first =
+              Vec3f::Constant(0.5f) -
+              static_cast<float>(BrickIndex::kEdge) *
+                  Vec3f(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
           for (Index k = bins.begin[bin]; k < bins.begin[bin + 1]; ++k)
-            splat(bins.sample[k], brick, field);
+            splat(bins.plane[k], to_first - bins.plane[k].position, field);
         }
   }
 
   // Adds the plane of a sample, of weight (1 - (d / reach)^2)^5: close to a Gaussian of 0.75 s.
-  void splat(Index sample, const Voxel& brick, PlaneField& field) const {
-    const double spacing = spacing_of(sample), reach = reach_of(spacing);
-    const Voxel first = {brick[0] * BrickIndex::kEdge, brick[1] * BrickIndex::kEdge,
-                         brick[2] * BrickIndex::kEdge};
-    const Vec3f to_first =
-        (solid_.lattice.centre_of(first) - cloud_.position[sample]).cast<float>();
-    const float size = static_cast<float>(solid_.lattice.size),
-                reach_squared = static_cast<float>(reach * reach),
-                per_reach_squared = 1.0f / reach_squared,
-                per_spacing = static_cast<float>(1.0 / spacing),
-                per_spacing_squared = per_spacing * per_spacing;
-    const Vec3f normal = cloud_.normal[sample];
-    float x[BrickIndex::kEdge];
-    for (int k = 0; k < BrickIndex::kEdge; ++k) x[k] = to_first.x() + size * static_cast<float>(k);
-    const auto gap = [&](float from) {  // of the row of voxel centres, from the sample
-      const float to = from + size * (BrickIndex::kEdge - 1);
-      return from > 0.0f ? from : to < 0.0f ? to : 0.0f;
+  // `to_first`: from the sample to the centre of the lowest voxel of the brick.
+  static void splat(const SamplePlane& plane, const Vec3f& to_first, PlaneField& field) {
+    constexpr float kLast = BrickIndex::kEdge - 1;
+    const auto gap = [](float from) {  // of a row of voxel centres, from the sample
+      return std::max(std::max(from, -from - kLast), 0.0f);
     };
+    const float reach_squared = plane.reach * plane.reach;
     const float gap_x = gap(to_first.x()), gap_y = gap(to_first.y()), gap_z = gap(to_first.z());
     if (gap_x * gap_x + gap_y * gap_y + gap_z * gap_z > reach_squared) return;
+
+    const float per_reach_squared = 1.0f / reach_squared,
+                per_spacing_squared = plane.per_spacing * plane.per_spacing;
+    const Vec3f normal = plane.per_spacing * plane.normal;
     for (int kz = 0; kz < BrickIndex::kEdge; ++kz) {
-      const float z = to_first.z() + size * static_cast<float>(kz);
+      const float z = to_first.z() + static_cast<float>(kz);
       for (int ky = 0; ky < BrickIndex::kEdge; ++ky) {
-        const float y = to_first.y() + size * static_cast<float>(ky);
+        const float y = to_first.y() + static_cast<float>(ky);
         const float row = y * y + z * z, row_dot = y * normal.y() + z * normal.z();
         if (row + gap_x * gap_x > reach_squared) continue;
         const int at = kz << 4 | ky << 2;
         for (int kx = 0; kx < BrickIndex::kEdge; ++kx) {
-          const float squared = row + x[kx] * x[kx];
+          const float x = to_first.x() + static_cast<float>(kx);
+          const float squared = row + x * x;
           const bool in_reach = squared <= reach_squared;
           const float rest = in_reach ? 1.0f - squared * per_reach_squared : 0.0f,
                       rest_squared = rest * rest;
           const float weight = rest_squared * rest_squared * rest + (in_reach ? 1e-12f : 0.0f);
-          field.distance_sum[at + kx] += weight * (row_dot + x[kx] * normal.x()) * per_spacing;
+          field.distance_sum[at + kx] += weight * (row_dot + x * normal.x());
           field.weight_sum[at + kx] += weight;
           field.nearest[at + kx] =
               std::min(field.nearest[at + kx], in_reach ? squared * per_spacing_squared : 1e30f);
@@ -332,7 +349,6 @@ class Classification {
   const WindingNumber& winding_;
   const InitialMeshOptions& options_;
   VoxelSolid solid_;
-  Index bins_around_ = 1;  // bricks to each side whose samples may reach a brick
 };
 
 }  // namespace
