@@ -159,10 +159,10 @@ std::vector<Parameter> initial_mesh_parameters() {
                       "Raised: clumps of stray points do not become bodies. Lowered: small real "
                       "parts are kept. Unit: "
                       "samples; range 4 and up.")),
-      advanced(number(Kind::integer, kShrinkIterations, "Shrink iterations", 6, 0, 200,
+      advanced(number(Kind::integer, kShrinkIterations, "Shrink iterations", 4, 0, 200,
                       "Robust method: steps in which the first mesh moves onto the samples. "
                       "Raised: closer and smoother, "
-                      "slower; 4 to 10 are useful. Range 0 to 200.")),
+                      "slower; 3 to 10 are useful. Range 0 to 200.")),
       advanced(number(Kind::integer, kBoxLevels, "Box subdivisions", -1, -1, 10,
                       "As in the paper: how often the bounding box is split one to four; -1: as "
                       "often as leaves at least "

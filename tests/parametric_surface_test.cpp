@@ -78,9 +78,11 @@ TEST(LoopSubdivide, KeepsAPlaneAndPrecision) {
 TEST(ParametricSurface, LiesOnTheSampledSurface) {
   const Prepared samples = prepare(sample_shape_blue_noise(ShapeKind::torus, 6000, 4));
   SurfaceMesh control = torus_mesh(24, 12);
+  ParametricSurfaceOptions options;
+  options.fine_enough = 0.0;
   Progress silent;
   const ParametricSurface surface = make_parametric_surface(
-      in_frame(control, samples.cloud.frame), samples.cloud, samples.search, {}, silent);
+      in_frame(control, samples.cloud.frame), samples.cloud, samples.search, options, silent);
   expect_closed_manifold(surface.mesh, 1, 1);
   EXPECT_EQ(surface.report.subdivisions, 2);
   EXPECT_EQ(surface.mesh.vertex_count(), 16 * control.vertex_count());
@@ -93,6 +95,25 @@ TEST(ParametricSurface, LiesOnTheSampledSurface) {
   const double spacing = samples.cloud.frame.to_input_length(samples.cloud.spacing);
   EXPECT_LT(sum / surface.mesh.vertex_count(), 0.06 * spacing);
   EXPECT_GT(normal_consistency(surface.mesh, torus, samples.cloud.frame), 0.995);
+}
+
+TEST(ParametricSurface, LeavesTheLastSubdivisionOutWhereItIsFineEnough) {
+  const Prepared smooth = prepare(sample_shape_blue_noise(ShapeKind::sphere, 4500, 14));
+  // A cube of few samples has edges that a coarse surface cuts off.
+  const Prepared sharp = prepare(sample_shape_blue_noise(ShapeKind::box, 1500, 14));
+  const auto subdivisions_of = [](const Prepared& samples, double fine_enough) {
+    ParametricSurfaceOptions options;
+    options.fine_enough = fine_enough;
+    Progress silent;
+    const ParametricSurface surface =
+        make_parametric_surface(in_frame(icosphere(2), samples.cloud.frame), samples.cloud,
+                                samples.search, options, silent);
+    expect_closed_manifold(surface.mesh, 1, 0);
+    return surface.report.subdivisions;
+  };
+  EXPECT_EQ(subdivisions_of(smooth, 0.5), 1);
+  EXPECT_EQ(subdivisions_of(smooth, 0.0), 2);
+  EXPECT_EQ(subdivisions_of(sharp, 0.5), 2);
 }
 
 TEST(ParametricSurface, NearestSampleFittingComesCloseToo) {
@@ -111,9 +132,11 @@ TEST(ParametricSurface, NearestSampleFittingComesCloseToo) {
 
 TEST(ParametricSurface, SubdividesAgainWhereTheControlMeshIsCoarse) {
   const Prepared samples = prepare(sample_shape(ShapeKind::sphere, 4000, 6));
+  ParametricSurfaceOptions options;
+  options.fine_enough = 0.0;
   Progress silent;
   const ParametricSurface surface = make_parametric_surface(
-      in_frame(icosphere(1), samples.cloud.frame), samples.cloud, samples.search, {}, silent);
+      in_frame(icosphere(1), samples.cloud.frame), samples.cloud, samples.search, options, silent);
   EXPECT_EQ(surface.report.subdivisions, 3);
   EXPECT_EQ(surface.mesh.vertex_count(), 2562);
 }

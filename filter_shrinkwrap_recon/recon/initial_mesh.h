@@ -23,7 +23,7 @@ struct InitialMeshOptions {
       1.2;  ///< x local spacing: up to here from the samples the plane field alone decides
   double blend_end = 2.5;  ///< x local spacing: from here on the winding number alone decides
   Index min_component_samples = 30;  ///< solids and cavities supported by fewer samples are dropped
-  int shrink_iterations = 6;
+  int shrink_iterations = 4;
   double step = 0.5;             ///< part of the way to the target per iteration
   double max_step = 0.7;         ///< x s
   int smoothing_iterations = 3;  ///< of the first iterations: full Laplacian of weight `smoothing`

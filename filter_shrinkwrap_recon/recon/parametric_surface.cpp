@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "face_tree.h"
 #include "one_ring.h"
 #include "parallel.h"
 #include "tangent_target.h"
@@ -11,6 +12,7 @@
 namespace shrinkwrap {
 namespace {
 
+constexpr Index kProbeGrain = 256, kLeastProbes = 20000, kMostStride = 16;
 constexpr Index kGrain = 1 << 11;
 constexpr Index kTableSize = 64;
 constexpr double kPi = 3.14159265358979323846;
@@ -120,6 +122,27 @@ class Fitting {
   std::array<double, kTableSize> weight_;
 };
 
+// True if no more than one in a thousand samples is farther than `reach` from the surface. Some
+// samples stand for all.
+bool is_within_reach(const SurfaceMesh& mesh, const PointCloud& cloud, double reach,
+                     Progress& progress) {
+  const FaceTree tree(mesh, progress);
+  const Index stride = std::clamp<Index>(cloud.size() / kLeastProbes, 1, kMostStride);
+  const Index probes = (cloud.size() - 1) / stride + 1;
+  const Index beyond =
+      parallel_sum(probes, kProbeGrain, progress, Index{0}, [&](Index begin, Index end) {
+        Index count = 0, hint = kNone;
+        for (Index i = begin; i < end; ++i) {
+          const auto hit = tree.nearest(cloud.position[i * stride], reach * reach, hint,
+                                        [](Index) { return true; });
+          if (hit.face == kNone) ++count;
+          hint = hit.face;
+        }
+        return count;
+      });
+  return beyond <= probes / 1000;
+}
+
 }  // namespace
 
 double loop_beta(Index valence) {
@@ -201,10 +224,13 @@ ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud&
            (mesh.vertex_count() < cloud.size() / 2 && level <= options.subdivisions);
   };
   for (int level = 0; goes_on(level); ++level) {
+    const bool is_last = level + 1 >= options.subdivisions;
+    if (is_last && level > 0 && options.fine_enough > 0.0 &&
+        is_within_reach(mesh, cloud, options.fine_enough * cloud.spacing, progress))
+      break;
     mesh = loop_subdivide(mesh);
     mesh.compact();
     ++result.report.subdivisions;
-    const bool is_last = !goes_on(level + 1);
     const int iterations = is_last ? (options.iterations + 1) / 2 : options.iterations;
     std::vector<Index> hint;
     for (int iteration = 0; iteration < iterations; ++iteration) {

@@ -103,8 +103,10 @@ Reconstruction run(const std::vector<Vec3>& points, const ReconstructionOptions&
     log.add(Stage::control_mesh, mesh.vertex_count(), in_input_frame);
   }
   {
-    ParametricSurface parametric = make_parametric_surface(std::move(mesh), cloud, search,
-                                                           options.parametric_surface, progress);
+    ParametricSurfaceOptions surface_options = options.parametric_surface;
+    if (options.stop_at_parametric_surface) surface_options.fine_enough = 0.0;
+    ParametricSurface parametric =
+        make_parametric_surface(std::move(mesh), cloud, search, surface_options, progress);
     result.parametric_surface = parametric.report;
     mesh = std::move(parametric.mesh);
     round_to_host(mesh, cloud.frame, options.host_scalar);
@@ -154,6 +156,7 @@ ReconstructionOptions as_in_the_paper() {
   options.parametric_surface.target = ParametricSurfaceOptions::Target::nearest_sample;
   options.parametric_surface.attraction = 0.85;
   options.parametric_surface.relaxation = 0.0;
+  options.parametric_surface.fine_enough = 0.0;
   options.complete_matching.method = CompleteMatchingOptions::Method::snap_and_insert;
   options.edge_optimisation.criterion = EdgeOptimisationOptions::Criterion::quadric;
   return options;
