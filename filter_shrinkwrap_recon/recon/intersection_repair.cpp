@@ -344,6 +344,7 @@ RepairReport Repair::run() {
   faces.insert(faces.end(), touched_.begin(), touched_.end());
   pairs = pairs_of(faces);
   faces = intersecting_faces(pairs);
+  turn_outward(mesh_);
   progress_.set_range(0.0, 1.0);
   report.after = static_cast<Index>(pairs.size());
   report.faces_after = static_cast<Index>(faces.size());
