@@ -6,6 +6,7 @@
 // threads. Memory is what the process holds at most, less what it held before (the points given).
 // --progress adds how the callback was called; --cancel-at makes it return false at that fraction
 // and says how long it took until the run had ended.
+#include <algorithm>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -35,6 +36,8 @@ struct StageFigures {
   std::string name;
   double begin = 0.0;
   double seconds = 0.0;
+  double largest_gap = 0.0;      // longest silence, in seconds
+  double largest_gap_end = 0.0;  // overall fraction that ended it
   std::uint64_t peak_bytes = 0;
 };
 
@@ -47,19 +50,20 @@ class Observer {
 
   bool operator()(double fraction, const char* stage) {
     const double now = watch_.seconds();
+    note_call(now, fraction);
     if (stages_.empty() || stages_.back().name != stage) {
       end_stage(now);
-      stages_.push_back({stage, now, 0.0, 0});
+      stages_.push_back({stage, now});
+      last_call_ = watch_.seconds();  // reading the memory figures is not the stage's silence
     }
-    note_call(now, fraction, stage);
     if (fraction >= cancel_at_ && cancelled_at_ < 0.0) cancelled_at_ = now;
     return cancelled_at_ < 0.0;
   }
 
   void end() {
     seconds_ = watch_.seconds();
+    note_gap(seconds_, 1.0);
     end_stage(seconds_);
-    note_gap(seconds_, "the end");
   }
 
   double seconds() const { return seconds_; }
@@ -77,8 +81,7 @@ class Observer {
         .add("within_bounds", within_bounds_)
         .add("first_fraction", first_fraction_)
         .add("last_fraction", last_fraction_)
-        .add("largest_gap_seconds", largest_gap_)
-        .add("largest_gap_before", largest_gap_before_);
+        .add("calls_after_cancel", calls_after_cancel_);
   }
 
  private:
@@ -92,21 +95,21 @@ class Observer {
     reset_peak_resident_bytes();
   }
 
-  void note_call(double now, double fraction, const char* stage) {
-    char place[64];
-    std::snprintf(place, sizeof place, "%.3f, %s", fraction, stage);
-    note_gap(now, place);
+  void note_call(double now, double fraction) {
+    note_gap(now, fraction);
     if (calls_ == 0) first_fraction_ = fraction;
     ++calls_;
+    if (cancelled_at_ >= 0.0) ++calls_after_cancel_;
     monotone_ = monotone_ && fraction >= last_fraction_;
     within_bounds_ = within_bounds_ && fraction >= 0.0 && fraction <= 1.0;
     last_fraction_ = fraction;
   }
 
-  void note_gap(double now, const std::string& place) {
-    if (now - last_call_ > largest_gap_) {
-      largest_gap_ = now - last_call_;
-      largest_gap_before_ = place;
+  // A silence belongs to the stage in which it began.
+  void note_gap(double now, double fraction) {
+    if (!stages_.empty() && now - last_call_ > stages_.back().largest_gap) {
+      stages_.back().largest_gap = now - last_call_;
+      stages_.back().largest_gap_end = fraction;
     }
     last_call_ = now;
   }
@@ -120,8 +123,8 @@ class Observer {
   long calls_ = 0;
   bool monotone_ = true, within_bounds_ = true;
   double first_fraction_ = 0.0, last_fraction_ = 0.0;
-  double last_call_ = 0.0, largest_gap_ = 0.0;
-  std::string largest_gap_before_;
+  long calls_after_cancel_ = 0;
+  double last_call_ = 0.0;
 };
 
 // FNV-1a over the bytes of the mesh.
@@ -206,6 +209,8 @@ int run(const Arguments& arguments) {
     stages.push_back(JsonLine()
                          .add("name", stage.name)
                          .add("seconds", stage.seconds)
+                         .add("largest_gap_seconds", stage.largest_gap)
+                         .add("largest_gap_end", stage.largest_gap_end)
                          .add("peak_bytes", over_baseline(stage.peak_bytes)));
   JsonLine line;
   line.add("program", "shrink wrap")
