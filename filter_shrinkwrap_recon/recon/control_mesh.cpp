@@ -22,10 +22,10 @@ constexpr double kSweepQuantile = 0.3;
 constexpr int kMaxSweeps = 40;
 constexpr Index kProbeStride = 32;  // one edge of so many is asked for its cost
 
-std::vector<Quadric> vertex_quadrics(const SurfaceMesh& mesh, bool area_weighted) {
-  Progress silent;
+std::vector<Quadric> vertex_quadrics(const SurfaceMesh& mesh, bool area_weighted,
+                                     Progress& progress) {
   const Index faces = mesh.face_slots();
-  const double area = parallel_sum(faces, kGrain, silent, 0.0, [&](Index begin, Index end) {
+  const double area = parallel_sum(faces, kGrain, progress, 0.0, [&](Index begin, Index end) {
     double sum = 0.0;
     for (Index f = begin; f < end; ++f) sum += mesh.area_vector(f).norm();
     return sum;
@@ -33,7 +33,7 @@ std::vector<Quadric> vertex_quadrics(const SurfaceMesh& mesh, bool area_weighted
   const double pull =
       kRegularisation * (area_weighted ? area / (3.0 * std::max<Index>(faces, 1)) : 1.0);
   std::vector<Quadric> quadric(mesh.position.size());
-  parallel_for_each(mesh.vertex_slots(), kGrain, silent, [&](Index v) {
+  parallel_for_each(mesh.vertex_slots(), kGrain, progress, [&](Index v) {
     mesh.for_each_outgoing(v, [&](Index h) {
       Vec3 normal = mesh.area_vector(SurfaceMesh::face(h));
       const double weight = normal.norm();
@@ -66,7 +66,7 @@ class Contraction {
         guard_(options.normal_guard),
         progress_(progress),
         before_(mesh.vertex_count()),
-        quadric_(vertex_quadrics(mesh, options.area_weighted)) {}
+        quadric_(vertex_quadrics(mesh, options.area_weighted, progress)) {}
 
   // Far from the target the exact order hardly matters: contract, vertex by vertex, every cheapest
   // edge that is among the cheaper ones of the whole mesh.
@@ -242,17 +242,19 @@ Index control_vertices_for(Index samples, Index euler_characteristic, Index comp
 ControlMesh make_control_mesh(SurfaceMesh mesh, Index samples, const ControlMeshOptions& options,
                               Progress& progress) {
   progress.begin(Stage::control_mesh);
+  progress.set_range(0.0, 0.0);  // what comes before the contractions is short
   ControlMesh result;
   result.report.vertices_before = mesh.vertex_count();
-  result.report.target_vertices = options.target_vertices > 0
-                                      ? options.target_vertices
-                                      : control_vertices_for(samples, mesh.euler_characteristic(),
-                                                             connected_components(mesh).count);
+  result.report.target_vertices =
+      options.target_vertices > 0
+          ? options.target_vertices
+          : control_vertices_for(samples, mesh.euler_characteristic(),
+                                 connected_components(mesh, progress).count);
   if (mesh.vertex_count() > result.report.target_vertices) {
     Contraction contraction(mesh, options, result.report.target_vertices, progress);
     contraction.sweep();
     contraction.contract_in_order();
-    mesh.compact();
+    mesh.compact(progress);
   }
   result.report.vertices = mesh.vertex_count();
   result.mesh = std::move(mesh);

@@ -52,10 +52,10 @@ void shrink(SurfaceMesh& mesh, const PointCloud& cloud, const VoxelSearch& searc
   }
 }
 
-double fraction_with_solid_behind(const PointCloud& cloud, const VoxelSolid& solid) {
-  Progress silent;
+double fraction_with_solid_behind(const PointCloud& cloud, const VoxelSolid& solid,
+                                  Progress& progress) {
   const Index supported =
-      parallel_sum(cloud.size(), kGrain, silent, Index{0}, [&](Index begin, Index end) {
+      parallel_sum(cloud.size(), kGrain, progress, Index{0}, [&](Index begin, Index end) {
         Index count = 0;
         for (Index i = begin; i < end; ++i)
           for (double depth = 1.0; depth <= 3.0; depth += 0.5)
@@ -71,14 +71,13 @@ double fraction_with_solid_behind(const PointCloud& cloud, const VoxelSolid& sol
 
 // Leaves out the components that fewer than `min_samples` samples support, each sample the one that
 // is nearest to it; never the best supported. Returns how many were left out.
-Index drop_unsupported(SurfaceMesh& mesh, const PointCloud& cloud, double reach,
-                       Index min_samples) {
-  const MeshComponents components = connected_components(mesh);
+Index drop_unsupported(SurfaceMesh& mesh, const PointCloud& cloud, double reach, Index min_samples,
+                       Progress& progress) {
+  const MeshComponents components = connected_components(mesh, progress);
   if (components.count < 2) return 0;
-  const VoxelSearch vertices(mesh.position);
+  const VoxelSearch vertices(mesh.position, progress);
   std::vector<Index> supported(cloud.position.size(), kNone);
-  Progress silent;
-  parallel_for_each(cloud.size(), kGrain, silent, [&](Index i) {
+  parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
     const auto nearest = vertices.nearest(cloud.position[i]);
     if (nearest.squared_distance <= reach * reach)
       supported[i] = components.of_vertex[nearest.index];
@@ -101,7 +100,7 @@ Index drop_unsupported(SurfaceMesh& mesh, const PointCloud& cloud, double reach,
     for (Index& v : triangle) v = new_index[v];
     triangles.push_back(triangle);
   }
-  mesh = SurfaceMesh::from_triangles(std::move(position), triangles);
+  mesh = SurfaceMesh::from_triangles(std::move(position), triangles, progress);
   return static_cast<Index>(
       std::count_if(support.begin(), support.end(), [&](Index count) { return count < needed; }));
 }
@@ -124,12 +123,12 @@ InitialMesh make_initial_mesh(const PointCloud& cloud, const VoxelSearch& search
       make_well_composed(solid.image, progress);
       SurfaceMesh mesh = boundary_of(solid.image, solid.lattice, progress);
       result.report.dropped =
-          drop_unsupported(mesh, cloud, kSupportReach * solid.lattice.size, min_samples);
+          drop_unsupported(mesh, cloud, kSupportReach * solid.lattice.size, min_samples, progress);
       return mesh;
     };
     progress.set_range(0.6, 0.7);
     result.mesh = boundary(std::clamp<Index>(cloud.size() / 100, 4, options.min_component_samples));
-    result.report.samples_with_solid_behind = fraction_with_solid_behind(cloud, solid);
+    result.report.samples_with_solid_behind = fraction_with_solid_behind(cloud, solid, progress);
     if (result.mesh.face_count() == 0) {
       solid.image.mask = solid.near_samples;
       solid.image.mask.resize(static_cast<std::size_t>(solid.image.bricks.size()), 0);
@@ -139,7 +138,7 @@ InitialMesh make_initial_mesh(const PointCloud& cloud, const VoxelSearch& search
   if (result.mesh.face_count() == 0)
     throw ReconstructionFailed(
         "no solid was found around the samples: try a larger voxel size or a lower level");
-  const MeshComponents components = connected_components(result.mesh);
+  const MeshComponents components = connected_components(result.mesh, progress);
   std::vector<double> volume(static_cast<std::size_t>(components.count), 0.0);
   for (Index f = 0; f < result.mesh.face_slots(); ++f) {
     const Triangle t = result.mesh.triangle(f);

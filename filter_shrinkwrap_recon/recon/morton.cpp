@@ -21,12 +21,12 @@ constexpr int kDigits = 1 << kDigitBits;
 constexpr int kPasses = 6;  // 6 x 11 bits cover the 63 bits of a key
 
 // One stable pass of a radix sort: per-block histograms, one prefix sum, per-block scatter.
-void radix_pass(const std::vector<KeyedIndex>& from, std::vector<KeyedIndex>& to, int shift) {
+void radix_pass(const std::vector<KeyedIndex>& from, std::vector<KeyedIndex>& to, int shift,
+                Progress& progress) {
   const Index count = static_cast<Index>(from.size());
   const Index grain = std::max<Index>(kGrain, count / 64 + 1);
   std::vector<std::array<Index, kDigits>> offset(block_count(count, grain));
-  Progress silent;
-  parallel_blocks(count, grain, silent, [&](Index block, Index begin, Index end) {
+  parallel_blocks(count, grain, progress, [&](Index block, Index begin, Index end) {
     auto& histogram = offset[block];
     histogram.fill(0);
     for (Index i = begin; i < end; ++i) ++histogram[(from[i].key >> shift) & (kDigits - 1)];
@@ -38,7 +38,7 @@ void radix_pass(const std::vector<KeyedIndex>& from, std::vector<KeyedIndex>& to
       histogram[digit] = sum;
       sum += in_block;
     }
-  parallel_blocks(count, grain, silent, [&](Index block, Index begin, Index end) {
+  parallel_blocks(count, grain, progress, [&](Index block, Index begin, Index end) {
     auto& cursor = offset[block];
     for (Index i = begin; i < end; ++i)
       to[cursor[(from[i].key >> shift) & (kDigits - 1)]++] = from[i];
@@ -48,6 +48,11 @@ void radix_pass(const std::vector<KeyedIndex>& from, std::vector<KeyedIndex>& to
 }  // namespace
 
 std::vector<Index> morton_order(const std::vector<Vec3>& points) {
+  Progress silent;
+  return morton_order(points, silent);
+}
+
+std::vector<Index> morton_order(const std::vector<Vec3>& points, Progress& progress) {
   const Index count = static_cast<Index>(points.size());
   if (count == 0) return {};
   Vec3 low = points[0], high = points[0];
@@ -59,8 +64,7 @@ std::vector<Index> morton_order(const std::vector<Vec3>& points) {
   const double cells = 2097151.0 / extent;
 
   std::vector<KeyedIndex> keys(points.size()), scratch(points.size());
-  Progress silent;
-  parallel_for_each(count, kGrain, silent, [&](Index i) {
+  parallel_for_each(count, kGrain, progress, [&](Index i) {
     const Vec3 cell = (points[i] - low) * cells;
     keys[i] = {
         morton_key(static_cast<std::uint32_t>(cell.x()), static_cast<std::uint32_t>(cell.y()),
@@ -72,7 +76,7 @@ std::vector<Index> morton_order(const std::vector<Vec3>& points) {
                      [](const KeyedIndex& a, const KeyedIndex& b) { return a.key < b.key; });
   } else {
     for (int pass = 0; pass < kPasses; ++pass) {
-      radix_pass(keys, scratch, pass * kDigitBits);
+      radix_pass(keys, scratch, pass * kDigitBits, progress);
       keys.swap(scratch);
     }
   }
@@ -90,6 +94,7 @@ std::vector<Index> morton_order(const std::vector<Vec3>& points) {
                 });
     begin = end;
   }
+  progress.update(1.0);
   std::vector<Index> order(points.size());
   for (Index i = 0; i < count; ++i) order[i] = keys[i].index;
   return order;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "progress.h"
 #include "types.h"
 
 namespace shrinkwrap {
@@ -37,7 +38,8 @@ inline std::array<std::uint32_t, 3> morton_coordinates(std::uint64_t key) {
 
 /// The order of points along a Morton curve of 2^21 cells per axis over their bounding cube; points
 /// of one cell by coordinates (x, y, z), equal points by index. Pre: finite points. O(n), parallel
-/// radix sort.
-std::vector<Index> morton_order(const std::vector<Vec3>& points);
+/// radix sort. Throws Cancelled.
+std::vector<Index> morton_order(const std::vector<Vec3>& points, Progress& progress);
+std::vector<Index> morton_order(const std::vector<Vec3>& points);  ///< silent
 
 }  // namespace shrinkwrap

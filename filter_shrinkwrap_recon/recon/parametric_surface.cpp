@@ -75,10 +75,9 @@ class Fitting {
     return mesh.position[v] + weight * ring.difference_sum;
   }
 
-  void move_to_limit(SurfaceMesh& mesh) const {
+  void move_to_limit(SurfaceMesh& mesh, Progress& progress) const {
     std::vector<Vec3> limit(mesh.position.size());
-    Progress silent;
-    parallel_for_each(mesh.vertex_slots(), kGrain, silent, [&](Index v) {
+    parallel_for_each(mesh.vertex_slots(), kGrain, progress, [&](Index v) {
       limit[v] = limit_position(mesh, v, gather_one_ring(mesh, v));
     });
     mesh.position = std::move(limit);
@@ -156,6 +155,11 @@ double loop_limit_weight(Index valence) {
 }
 
 SurfaceMesh loop_subdivide(const SurfaceMesh& mesh) {
+  Progress silent;
+  return loop_subdivide(mesh, silent);
+}
+
+SurfaceMesh loop_subdivide(const SurfaceMesh& mesh, Progress& progress) {
   // Face f becomes 4f (at its first corner), 4f+1, 4f+2 (at the others) and 4f+3 (in the middle);
   // the vertex of an edge is numbered after the old vertices, in order of the edge's lower
   // half-edge.
@@ -166,9 +170,9 @@ SurfaceMesh loop_subdivide(const SurfaceMesh& mesh) {
   for (Index h = 0; h < halfedges; ++h)
     if (h < mesh.twin(h)) edge_vertex[h] = edge_vertex[mesh.twin(h)] = next_vertex++;
 
-  Progress silent;
+  progress.update(0.0);
   std::vector<Vec3> position(static_cast<std::size_t>(next_vertex));
-  parallel_for_each(vertices, kGrain, silent, [&](Index v) {
+  parallel_for_each(vertices, kGrain, progress, [&](Index v) {
     Vec3 sum = Vec3::Zero();
     Index valence = 0;
     mesh.for_each_outgoing(v, [&](Index h) {
@@ -178,7 +182,7 @@ SurfaceMesh loop_subdivide(const SurfaceMesh& mesh) {
     const double beta = loop_beta(valence);
     position[v] = (1.0 - valence * beta) * mesh.position[v] + beta * sum;
   });
-  parallel_for_each(halfedges, kGrain, silent, [&](Index h) {
+  parallel_for_each(halfedges, kGrain, progress, [&](Index h) {
     const Index o = mesh.twin(h);
     if (h > o) return;
     position[edge_vertex[h]] =
@@ -187,7 +191,7 @@ SurfaceMesh loop_subdivide(const SurfaceMesh& mesh) {
   });
 
   std::vector<Index> origin(4 * static_cast<std::size_t>(halfedges)), twin(origin.size());
-  parallel_for_each(faces, kGrain, silent, [&](Index f) {
+  parallel_for_each(faces, kGrain, progress, [&](Index f) {
     const Index base = 12 * f, middle = base + 9;
     for (Index corner = 0; corner < 3; ++corner) {
       const Index h = 3 * f + corner, before = SurfaceMesh::prev(h);
@@ -225,11 +229,12 @@ ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud&
   };
   for (int level = 0; goes_on(level); ++level) {
     const bool is_last = level + 1 >= options.subdivisions;
+    progress.set_range(0.1 * level, 0.1 * level);
     if (is_last && level > 0 && options.fine_enough > 0.0 &&
         is_within_reach(mesh, cloud, options.fine_enough * cloud.spacing, progress))
       break;
-    mesh = loop_subdivide(mesh);
-    mesh.compact();
+    mesh = loop_subdivide(mesh, progress);
+    mesh.compact(progress);
     ++result.report.subdivisions;
     const int iterations = is_last ? (options.iterations + 1) / 2 : options.iterations;
     std::vector<Index> hint;
@@ -240,7 +245,7 @@ ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud&
       distances = fitting.iterate(mesh, hint, progress);
     }
   }
-  if (options.move_to_limit) fitting.move_to_limit(mesh);
+  if (options.move_to_limit) fitting.move_to_limit(mesh, progress);
   const double spacing = cloud.spacing;
   result.report.vertices = mesh.vertex_count();
   result.report.membrane_vertices = distances.membrane;

@@ -46,6 +46,7 @@ double loop_beta(Index valence);
 double loop_limit_weight(Index valence);
 /// One step of Loop subdivision: V' = V + E, each face into four. O(F), parallel.
 SurfaceMesh loop_subdivide(const SurfaceMesh& mesh);
+SurfaceMesh loop_subdivide(const SurfaceMesh& mesh, Progress& progress);
 
 /// Subdivides and fits. Pre: for tangent_plane, `orient_normals` was called on the cloud.
 ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud& cloud,

@@ -196,7 +196,7 @@ PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions&
     cloud.frame = unit_frame(unit);
     parallel_for_each(count, kGrain, progress,
                       [&](Index i) { unit[i] = cloud.frame.to_unit(unit[i]); });
-    cloud.input_index = without_duplicates(points, unit, input_index, morton_order(unit));
+    cloud.input_index = without_duplicates(points, unit, input_index, morton_order(unit, progress));
     input_index = {};
   }
   cloud.conditioning.distinct = cloud.input_index.size();
@@ -211,9 +211,11 @@ PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions&
   });
   refuse_flat(cloud, rounding_of_input(points, cloud), progress);
 
+  progress.set_range(0.3, 0.35);
+  const VoxelSearch search(cloud.position, progress);
   progress.set_range(0.35, 1.0);
-  Neighbourhoods neighbourhoods = find_neighbourhoods(cloud.position, VoxelSearch(cloud.position),
-                                                      options.neighbours, progress);
+  Neighbourhoods neighbourhoods =
+      find_neighbourhoods(cloud.position, search, options.neighbours, progress);
   cloud.neighbour_count = neighbourhoods.k;
   cloud.neighbour = std::move(neighbourhoods.neighbour);
   cloud.normal = std::move(neighbourhoods.normal);

@@ -78,7 +78,7 @@ Reconstruction run(const std::vector<Vec3>& points, const ReconstructionOptions&
 
   require_memory_for(points.size(), options.memory_limit);
   PointCloud cloud = prepare_samples(points, options.samples, progress);
-  const VoxelSearch search(cloud.position);
+  const VoxelSearch search(cloud.position, progress);
   result.conditioning = cloud.conditioning;
   result.spacing = cloud.frame.to_input_length(cloud.spacing);
   log.add(Stage::samples, cloud.size());

@@ -32,19 +32,19 @@ VertexRemovalReport remove_surface_vertices(SurfaceMesh& mesh, Index surface_ver
 }
 
 // Samples, which are the last vertex slots, first; then what is left of the others.
-void number_by_samples(SurfaceMesh& mesh, Index samples) {
+void number_by_samples(SurfaceMesh& mesh, Index samples, Progress& progress) {
   const Index first_sample = mesh.vertex_slots() - samples;
   std::vector<Index> new_index(mesh.position.size(), kNone);
   Index extra = samples;
   for (Index v = 0; v < first_sample; ++v)
     if (!mesh.is_removed_vertex(v)) new_index[v] = extra++;
   for (Index i = 0; i < samples; ++i) new_index[first_sample + i] = i;
-  mesh.renumber(new_index);
+  mesh.renumber(new_index, progress);
 }
 
 // Components that hold no sample are debris of the start: no sample is lost with them.
-void drop_components_without_samples(SurfaceMesh& mesh, Index samples) {
-  const MeshComponents components = connected_components(mesh);
+void drop_components_without_samples(SurfaceMesh& mesh, Index samples, Progress& progress) {
+  const MeshComponents components = connected_components(mesh, progress);
   std::vector<char> has_sample(static_cast<std::size_t>(components.count), 0);
   for (Index v = 0; v < samples; ++v) has_sample[components.of_vertex[v]] = 1;
   std::vector<Vec3> position;
@@ -59,7 +59,7 @@ void drop_components_without_samples(SurfaceMesh& mesh, Index samples) {
   for (const Triangle& t : mesh.triangles())
     if (new_index[t[0]] != kNone)
       triangles.push_back({new_index[t[0]], new_index[t[1]], new_index[t[2]]});
-  mesh = SurfaceMesh::from_triangles(std::move(position), triangles);
+  mesh = SurfaceMesh::from_triangles(std::move(position), triangles, progress);
 }
 
 // Closes the openings and puts the mesh in order again. Returns the faces that span them,
@@ -79,7 +79,7 @@ std::vector<Index> close_and_renumber(SurfaceMesh& mesh, Index samples, Progress
     const Triangle t = mesh.triangle(f);
     edges.emplace_back(new_index[t[0]], new_index[t[1]]);
   }
-  mesh.renumber(new_index);
+  mesh.renumber(new_index, progress);
   for (const auto& [from, to] : edges)
     spanning.push_back(SurfaceMesh::face(mesh.find_halfedge(from, to)));
   std::sort(spanning.begin(), spanning.end());
@@ -102,7 +102,7 @@ Index extra_vertices_kept(const SurfaceMesh& mesh, Index samples,
 
 CompleteMatching retile(SurfaceMesh parametric, const PointCloud& cloud, const VoxelSearch& search,
                         const CompleteMatchingOptions& options, Progress& progress) {
-  if (parametric.vertex_count() < parametric.vertex_slots()) parametric.compact();
+  if (parametric.vertex_count() < parametric.vertex_slots()) parametric.compact(progress);
   const Index samples = cloud.size(), surface_vertices = parametric.vertex_slots();
   const Index euler_characteristic = parametric.euler_characteristic();
   CompleteMatching result;
@@ -127,12 +127,12 @@ CompleteMatching retile(SurfaceMesh parametric, const PointCloud& cloud, const V
     throw ReconstructionFailed("re-tiling changed the topology of the surface: nothing was made.");
 
   progress.set_range(0.9, 0.95);
-  number_by_samples(mesh, samples);
+  number_by_samples(mesh, samples, progress);
   parallel_for_each(samples, kGrain, progress,
                     [&](Index i) { mesh.position[i] = cloud.position[i]; });
 
   progress.set_range(0.95, 1.0);
-  if (mesh.vertex_count() > samples) drop_components_without_samples(mesh, samples);
+  if (mesh.vertex_count() > samples) drop_components_without_samples(mesh, samples, progress);
   if (mesh.vertex_count() > samples && membranes.count > 0) {
     if (options.openings == Openings::close) {
       result.spanning_faces = close_and_renumber(mesh, samples, progress);

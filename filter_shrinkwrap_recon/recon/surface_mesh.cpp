@@ -13,7 +13,8 @@ constexpr Index kGrain = 1 << 13;
 // The twin of every half-edge, by a counting sort of half-edges on their lower vertex.
 // Throws InvalidInput unless every edge has exactly two faces that run along it in opposite
 // directions.
-std::vector<Index> match_twins(Index vertices, const std::vector<Index>& origin) {
+std::vector<Index> match_twins(Index vertices, const std::vector<Index>& origin,
+                               Progress& progress) {
   const Index halfedges = static_cast<Index>(origin.size());
   const auto low_vertex = [&](Index h) {
     return std::min(origin[h], origin[SurfaceMesh::next(h)]);
@@ -21,13 +22,15 @@ std::vector<Index> match_twins(Index vertices, const std::vector<Index>& origin)
   std::vector<Index> begin(static_cast<std::size_t>(vertices) + 1, 0);
   for (Index h = 0; h < halfedges; ++h) ++begin[low_vertex(h) + 1];
   for (Index v = 0; v < vertices; ++v) begin[v + 1] += begin[v];
+  progress.update(0.0);
   std::vector<Index> bucket(origin.size());
   {
     std::vector<Index> cursor(begin.begin(), begin.end() - 1);
     for (Index h = 0; h < halfedges; ++h) bucket[cursor[low_vertex(h)]++] = h;
   }
   std::vector<Index> twin(origin.size(), kNone);
-  for (Index v = 0; v < vertices; ++v)
+  for (Index v = 0; v < vertices; ++v) {
+    if (v % kGrain == 0) progress.update(static_cast<double>(v) / vertices);
     for (Index i = begin[v]; i < begin[v + 1]; ++i) {
       const Index h = bucket[i];
       if (twin[h] != kNone) continue;
@@ -49,6 +52,7 @@ std::vector<Index> match_twins(Index vertices, const std::vector<Index>& origin)
       twin[h] = match;
       twin[match] = h;
     }
+  }
   return twin;
 }
 
@@ -67,6 +71,13 @@ SurfaceMesh SurfaceMesh::from_halfedges(std::vector<Vec3> positions, std::vector
 
 SurfaceMesh SurfaceMesh::from_triangles(std::vector<Vec3> positions,
                                         const std::vector<Triangle>& triangles) {
+  Progress silent;
+  return from_triangles(std::move(positions), triangles, silent);
+}
+
+SurfaceMesh SurfaceMesh::from_triangles(std::vector<Vec3> positions,
+                                        const std::vector<Triangle>& triangles,
+                                        Progress& progress) {
   const Index vertices = static_cast<Index>(positions.size());
   std::vector<Index> origin;
   origin.reserve(3 * triangles.size());
@@ -78,8 +89,9 @@ SurfaceMesh SurfaceMesh::from_triangles(std::vector<Vec3> positions,
       throw InvalidInput("a face uses one vertex twice");
     origin.insert(origin.end(), t.begin(), t.end());
   }
-  std::vector<Index> twin = match_twins(vertices, origin);
+  std::vector<Index> twin = match_twins(vertices, origin, progress);
   SurfaceMesh mesh = from_halfedges(std::move(positions), std::move(origin), std::move(twin));
+  progress.update(1.0);
   for (Index v = 0; v < vertices; ++v)
     if (mesh.outgoing_[v] == kNone) throw InvalidInput("a vertex has no face");
   if (!mesh.is_consistent()) throw InvalidInput("a vertex joins more than one fan of faces");
@@ -221,6 +233,11 @@ void SurfaceMesh::split_face_into(Index f, Index v, Index g, Index k) {
 }
 
 std::vector<Index> SurfaceMesh::compact() {
+  Progress silent;
+  return compact(silent);
+}
+
+std::vector<Index> SurfaceMesh::compact(Progress& progress) {
   std::vector<Vec3> kept;
   std::vector<Index> kept_vertex;
   kept.reserve(vertex_count());
@@ -230,15 +247,20 @@ std::vector<Index> SurfaceMesh::compact() {
       kept.push_back(position[v]);
       kept_vertex.push_back(v);
     }
-  const std::vector<Index> order = morton_order(kept);
+  const std::vector<Index> order = morton_order(kept, progress);
   std::vector<Index> new_index(position.size(), kNone);
   for (std::size_t i = 0; i < order.size(); ++i)
     new_index[kept_vertex[order[i]]] = static_cast<Index>(i);
-  renumber(new_index);
+  renumber(new_index, progress);
   return new_index;
 }
 
 void SurfaceMesh::renumber(const std::vector<Index>& new_index) {
+  Progress silent;
+  renumber(new_index, silent);
+}
+
+void SurfaceMesh::renumber(const std::vector<Index>& new_index, Progress& progress) {
   const Index vertices = vertex_count(), faces = face_count(), old_faces = face_slots();
   std::vector<Vec3> moved(vertices);
   for (Index v = 0; v < vertex_slots(); ++v)
@@ -251,17 +273,19 @@ void SurfaceMesh::renumber(const std::vector<Index>& new_index) {
   for (Index f = 0; f < old_faces; ++f) {
     if (is_removed_face(f)) continue;
     const Triangle t = triangle(f);
+    if (f % kGrain == 0) progress.update(0.0);
     low[f] = std::min({new_index[t[0]], new_index[t[1]], new_index[t[2]]});
     ++begin[low[f] + 1];
   }
   for (Index v = 0; v < vertices; ++v) begin[v + 1] += begin[v];
+  progress.update(0.0);
   std::vector<Index> new_face(old_faces, kNone);
   for (Index f = 0; f < old_faces; ++f)
     if (low[f] != kNone) new_face[f] = begin[low[f]]++;
 
   std::vector<Index> origin(3 * static_cast<std::size_t>(faces)), twin(origin.size());
-  Progress silent;
-  parallel_for_each(old_faces, kGrain, silent, [&](Index f) {
+  progress.update(0.0);
+  parallel_for_each(old_faces, kGrain, progress, [&](Index f) {
     if (new_face[f] == kNone) return;
     for (Index corner = 0; corner < 3; ++corner) {
       const Index old_twin = twin_[3 * f + corner];
@@ -306,9 +330,15 @@ std::vector<Triangle> SurfaceMesh::triangles() const {
 }
 
 MeshComponents connected_components(const SurfaceMesh& mesh) {
+  Progress silent;
+  return connected_components(mesh, silent);
+}
+
+MeshComponents connected_components(const SurfaceMesh& mesh, Progress& progress) {
   MeshComponents components;
   components.of_vertex.assign(mesh.position.size(), kNone);
   std::vector<Index> stack;
+  Index visited = 0;
   for (Index seed = 0; seed < mesh.vertex_slots(); ++seed) {
     if (mesh.is_removed_vertex(seed) || components.of_vertex[seed] != kNone) continue;
     components.of_vertex[seed] = components.count;
@@ -316,6 +346,8 @@ MeshComponents connected_components(const SurfaceMesh& mesh) {
     while (!stack.empty()) {
       const Index v = stack.back();
       stack.pop_back();
+      if (++visited % kGrain == 0)
+        progress.update(static_cast<double>(visited) / mesh.vertex_slots());
       mesh.for_each_outgoing(v, [&](Index h) {
         Index& component = components.of_vertex[mesh.target(h)];
         if (component != kNone) return;

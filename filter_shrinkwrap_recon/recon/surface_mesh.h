@@ -6,6 +6,7 @@
 #include <atomic>
 #include <vector>
 
+#include "progress.h"
 #include "types.h"
 
 namespace shrinkwrap {
@@ -47,6 +48,9 @@ class SurfaceMesh {
   /// O(F), parallel.
   static SurfaceMesh from_triangles(std::vector<Vec3> positions,
                                     const std::vector<Triangle>& triangles);
+  static SurfaceMesh from_triangles(std::vector<Vec3> positions,
+                                    const std::vector<Triangle>& triangles,
+                                    Progress& progress);  ///< throws Cancelled
   /// As from_triangles, for faces known to form a closed 2-manifold and whose twins the caller
   /// computed.
   static SurfaceMesh from_halfedges(std::vector<Vec3> positions, std::vector<Index> origins,
@@ -135,9 +139,11 @@ class SurfaceMesh {
   /// from_triangles of the triangles gives the same mesh. Returns, for each old vertex, its new
   /// index or kNone. O(V log V).
   std::vector<Index> compact();
+  std::vector<Index> compact(Progress& progress);  ///< throws Cancelled: the mesh is then lost
   /// As compact, with the order of vertices given: `new_index[old]`, kNone for removed vertices; a
   /// bijection of the vertices that are left onto [0, vertex_count()).
   void renumber(const std::vector<Index>& new_index);
+  void renumber(const std::vector<Index>& new_index, Progress& progress);  ///< as for compact
 
   /// Every internal link is consistent and every vertex has one fan. O(F); for tests and run-time
   /// postconditions.
@@ -164,6 +170,7 @@ struct MeshComponents {
   Index count = 0;
 };
 MeshComponents connected_components(const SurfaceMesh& mesh);
+MeshComponents connected_components(const SurfaceMesh& mesh, Progress& progress);
 
 /// Volume that a closed mesh encloses; positive if its faces are oriented outwards. O(F), parallel,
 /// the same for any number of threads.

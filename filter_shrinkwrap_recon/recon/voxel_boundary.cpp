@@ -173,7 +173,7 @@ SurfaceMesh boundary_of(const VoxelImage& image, const VoxelLattice& lattice, Pr
       });
   });
   if (triangles.empty()) return SurfaceMesh();
-  return SurfaceMesh::from_triangles(std::move(position), triangles);
+  return SurfaceMesh::from_triangles(std::move(position), triangles, progress);
 }
 
 }  // namespace shrinkwrap

@@ -29,11 +29,10 @@ float rounded_up(double x) {
 }
 
 std::vector<std::uint64_t> morton_keys(const std::vector<Vec3>& points, const Vec3& low,
-                                       double cells_per_length) {
+                                       double cells_per_length, Progress& progress) {
   const Index count = static_cast<Index>(points.size());
   std::vector<std::uint64_t> keys(points.size());
-  Progress silent;
-  parallel_for_each(count, kGrain, silent, [&](Index i) {
+  parallel_for_each(count, kGrain, progress, [&](Index i) {
     const Vec3 cell = (points[i] - low) * cells_per_length;
     keys[i] = morton_key(static_cast<std::uint32_t>(cell.x()), static_cast<std::uint32_t>(cell.y()),
                          static_cast<std::uint32_t>(cell.z()));
@@ -51,6 +50,15 @@ int level_of_difference(std::uint64_t a, std::uint64_t b) {
 }  // namespace
 
 VoxelSearch::VoxelSearch(std::vector<Vec3> points) : point_(std::move(points)) {
+  Progress silent;
+  make(silent);
+}
+
+VoxelSearch::VoxelSearch(std::vector<Vec3> points, Progress& progress) : point_(std::move(points)) {
+  make(progress);
+}
+
+void VoxelSearch::make(Progress& progress) {
   if (point_.empty()) return;
   const Index count = size();
   index_.resize(point_.size());
@@ -67,7 +75,7 @@ VoxelSearch::VoxelSearch(std::vector<Vec3> points) : point_(std::move(points)) {
   start_voxels_ = std::ldexp(cells_per_length, start_bits_ - kKeyLevels);
   start_slack_ = 1e-9 * extent;
   start_.assign(std::size_t{1} << (3 * start_bits_), kNone);
-  std::vector<std::uint64_t> keys = morton_keys(point_, low_, cells_per_length);
+  std::vector<std::uint64_t> keys = morton_keys(point_, low_, cells_per_length, progress);
   if (!std::is_sorted(keys.begin(), keys.end())) {
     tbb::parallel_sort(index_.begin(), index_.end(), [&](Index a, Index b) {
       return keys[a] != keys[b] ? keys[a] < keys[b] : a < b;
@@ -81,18 +89,19 @@ VoxelSearch::VoxelSearch(std::vector<Vec3> points) : point_(std::move(points)) {
     point_.swap(ordered_points);
     keys.swap(ordered_keys);
   }
-  build(keys);
-  compute_boxes();
+  build(keys, progress);
+  compute_boxes(progress);
 }
 
 // Breadth first: the node array is its own queue, and children come out consecutive and in order.
-void VoxelSearch::build(const std::vector<std::uint64_t>& keys) {
+void VoxelSearch::build(const std::vector<std::uint64_t>& keys, Progress& progress) {
   const int start_shift = 3 * (kKeyLevels - start_bits_);
   node_.reserve(point_.size() / 2 + 1);
   Node root;
   root.end = size();
   node_.push_back(root);
   for (std::size_t n = 0; n < node_.size(); ++n) {
+    if (n % kGrain == 0) progress.update(1.0);  // how many nodes there will be is not known
     const Index begin = node_[n].begin, end = node_[n].end;
     // The first node met whose points share a start voxel holds them all: parents come first.
     Index& start = start_[keys[begin] >> start_shift];
@@ -172,9 +181,8 @@ void VoxelSearch::split_at_median(Range range) {
   }
 }
 
-void VoxelSearch::compute_boxes() {
-  Progress silent;
-  parallel_for_each(static_cast<Index>(node_.size()), kGrain, silent, [&](Index n) {
+void VoxelSearch::compute_boxes(Progress& progress) {
+  parallel_for_each(static_cast<Index>(node_.size()), kGrain, progress, [&](Index n) {
     Node& node = node_[n];
     if (node.first_child != kNone) return;
     Vec3 low = point_[node.begin], high = low;

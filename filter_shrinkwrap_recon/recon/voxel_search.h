@@ -9,6 +9,7 @@
 #include <limits>
 #include <vector>
 
+#include "progress.h"
 #include "types.h"
 
 namespace shrinkwrap {
@@ -40,7 +41,8 @@ class VoxelSearch {
 
   VoxelSearch() = default;
   /// Pre: finite points, at most 2^31 - 1. O(N) if they come in Morton order, O(N log N) otherwise.
-  explicit VoxelSearch(std::vector<Vec3> points);
+  VoxelSearch(std::vector<Vec3> points, Progress& progress);  ///< throws Cancelled
+  explicit VoxelSearch(std::vector<Vec3> points);             ///< silent
 
   bool empty() const { return point_.empty(); }
   Index size() const { return static_cast<Index>(point_.size()); }
@@ -109,10 +111,10 @@ class VoxelSearch {
   };
 
   static FloatBox outward(const Vec3& low, const Vec3& high);
-  void build(const std::vector<std::uint64_t>& keys);
+  void build(const std::vector<std::uint64_t>& keys, Progress& progress);
   Start start_of(const Vec3& query) const;
   void split_at_median(Range range);
-  void compute_boxes();
+  void compute_boxes(Progress& progress);
 
   // Lower bound of the squared distance between a box and a node. Intervals are rounded outwards;
   // the factor makes up for the rounding of the arithmetic. Finite, as limits may exceed all
@@ -130,6 +132,8 @@ class VoxelSearch {
   template <class Scan>
   void search_below(Index root, Index skipped, const FloatBox& box, double& limit,
                     const Scan& scan) const;
+
+  void make(Progress& progress);
 
   std::vector<Vec3> point_;   // in the order of the voxels
   std::vector<Index> index_;  // of each of them in the points given
