@@ -3,6 +3,7 @@
 Every run is one process that times itself (ours and CGAL's advancing front, without input and output) or a run of
 meshlabserver (its time less that of an empty script). Ours and the advancing front alternate, and what is compared is
 the median of the ratios of neighbouring runs, so that a machine that slows down or speeds up meanwhile does not count.
+What is told of one program alone is the minimum of its runs: other load only ever adds to it.
 """
 
 import argparse
@@ -24,6 +25,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 SIZES = [10_000, 34_000, 100_000, 300_000, 1_000_000]
 FULL_SIZES = [*SIZES, 3_000_000, 10_000_000]
+QUICK_SIZES = [1_000, 3_000]
 CLOUDS = ["blob", "torus", "golf_club_head_12321"]
 CANCEL_FRACTIONS = [0.02, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.97]
 
@@ -32,7 +34,10 @@ def arguments():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build", help="folder of the build")
     parser.add_argument("--output", type=pathlib.Path, default=HERE / "results", help="folder of the results")
-    parser.add_argument("--full", action="store_true", help="go on to 3 and 10 million samples")
+    extent = parser.add_mutually_exclusive_group()
+    extent.add_argument("--full", action="store_true", help="go on to 3 and 10 million samples")
+    extent.add_argument("--quick", action="store_true",
+                        help="a few seconds, to see that it works: small clouds, once, not in MeshLab")
     parser.add_argument("--sizes", type=int, nargs="+", help="numbers of samples")
     parser.add_argument("--clouds", nargs="+", default=CLOUDS, help="shapes, or names of sample clouds to resample")
     parser.add_argument("--threads", type=int, nargs="+", default=[1, 2])
@@ -40,7 +45,12 @@ def arguments():
     parser.add_argument("--time-limit", type=float, default=900.0, help="seconds for one run")
     parser.add_argument("--no-meshlab", action="store_true", help="leave out what runs in MeshLab")
     parser.add_argument("--no-cancel", action="store_true", help="leave out how soon a run ends when it is cancelled")
-    return parser.parse_args()
+    options = parser.parse_args()
+    if options.quick:
+        options.sizes = options.sizes or QUICK_SIZES
+        options.pairs = options.pairs or 1
+        options.no_meshlab = True
+    return options
 
 
 class Clouds:
@@ -111,15 +121,14 @@ class MeshLab:
     def measure(self, name, script, cloud_name, cloud, repeats):
         if (name, cloud_name) in self.slow:
             return None
-        ratios = []
+        runs = []
         for _ in range(repeats):
             nothing, run = self.seconds(HERE / "scripts" / "nothing.mlx", cloud), self.seconds(script, cloud)
             if run is None or nothing is None:
                 self.slow.add((name, cloud_name))
                 return None
-            ratios.append((run[0] - nothing[0], run[1] - nothing[1]))
-        return {"program": name, "seconds": statistics.median(r[0] for r in ratios),
-                "peak_bytes": max(0, statistics.median(r[1] for r in ratios))}
+            runs.append((max(run[0] - nothing[0], 1e-3), run[1] - nothing[1]))
+        return {"program": name, "seconds": min(run[0] for run in runs), "peak_bytes": max(0, min(run[1] for run in runs))}
 
 
 def poisson_script(samples, folder):
@@ -152,7 +161,7 @@ def measure_pairs(programs, cloud, samples, options):
             front = run_program([front_program, "--cloud", cloud], options.time_limit)
             fronts.append(front)
             if "error" not in run and "error" not in front:
-                ratios[threads].append(front["seconds"] / run["seconds"])
+                ratios[threads].append(run["seconds"] / front["seconds"])
     return ours, fronts, ratios
 
 
@@ -207,7 +216,7 @@ def main():
                                "Screened Poisson": poisson_script(samples, pathlib.Path(scratch))}
                     for name, script in scripts.items():
                         row["meshlab"][name] = meshlab.measure(name, script, cloud_name, cloud, repeats)
-                if not options.no_cancel and samples >= 300_000:
+                if not options.no_cancel and (samples >= 300_000 or options.quick):
                     row["cancel"] = measure_cancel(programs, cloud, options)
                 results["rows"].append(row)
                 results["load"].append(os.getloadavg()[0])
@@ -215,12 +224,16 @@ def main():
                 (options.output / "benchmark.json").write_text(json.dumps(results, indent=1) + "\n")
                 (options.output / "benchmark.md").write_text(tables.markdown(results))
     results = json.loads((options.output / "benchmark.json").read_text())
+    complaints = tables.complaints(results)
+    for complaint in complaints:
+        print(f"run.py: {complaint}", file=sys.stderr)
     if tables.plot(results, options.output / "benchmark.svg"):
         print(f"written: benchmark.md, benchmark.json, benchmark.svg in {options.output}", file=sys.stderr)
     else:
         print(f"written: benchmark.md, benchmark.json in {options.output} (no plot: python3-matplotlib is missing)",
               file=sys.stderr)
+    return 1 if complaints else 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -10,9 +10,9 @@ def good(runs):
     return [run for run in runs if "error" not in run]
 
 
-def median(runs, key):
-    values = [run[key] for run in good(runs) if run.get(key) is not None]
-    return statistics.median(values) if values else None
+def least(runs, key):
+    """The minimum of the runs: what else the machine does can only add to it."""
+    return min((run[key] for run in good(runs) if run.get(key) is not None), default=None)
 
 
 def by_threads(figures, threads):
@@ -73,14 +73,14 @@ def totals_table(rows, threads):
         runs = [run for t in threads for run in ours[t]]
         checksums = {run.get("checksum") for run in good(runs)}
         worst_memory = max((run["bytes_per_sample"] for run in good(runs)), default=None)
-        body.append([f"{row['samples']:,}", *[number(median(ours[t], "seconds")) for t in threads],
-                     number(median(row["advancing_front"], "seconds")),
+        body.append([f"{row['samples']:,}", *[number(least(ours[t], "seconds")) for t in threads],
+                     number(least(row["advancing_front"], "seconds")),
                      *[number(statistics.median(r)) if r else "-" for r in ratios],
                      *[number(peer["seconds"]) if peer else "-" for peer in peers], number(worst_memory),
-                     number(median(row["advancing_front"], "bytes_per_sample")),
+                     number(least(row["advancing_front"], "bytes_per_sample")),
                      "-" if not checksums else "yes" if len(checksums) == 1 else "NO", verdict(runs[0] if runs else None)])
-    fits = [exponent([(row["samples"], median(by_threads(row["ours"], t), "seconds")) for row in rows]) for t in threads]
-    front = exponent([(row["samples"], median(row["advancing_front"], "seconds")) for row in rows])
+    fits = [exponent([(row["samples"], least(by_threads(row["ours"], t), "seconds")) for row in rows]) for t in threads]
+    front = exponent([(row["samples"], least(row["advancing_front"], "seconds")) for row in rows])
     peers = [exponent([(row["samples"], (row["meshlab"].get(name) or {}).get("seconds")) for row in rows])
              for name in ("Ball Pivoting", "Screened Poisson", "Shrink Wrap")]
     body.append(["exponent", *map(number, fits), number(front), *["" for _ in threads], *map(number, peers), "", "", "", ""])
@@ -88,14 +88,14 @@ def totals_table(rows, threads):
 
 
 def stage_figures(rows, threads, key):
-    """Stage name -> [median of the figure for each row]."""
+    """Stage name -> [least of the figure for each row]."""
     stages = {}
     for column, row in enumerate(rows):
         runs = good(by_threads(row["ours"], threads))
         for run in runs[:1]:
             for position, stage in enumerate(run["stages"]):
                 values = [other["stages"][position][key] for other in runs]
-                stages.setdefault(stage["name"], [None] * len(rows))[column] = statistics.median(values)
+                stages.setdefault(stage["name"], [None] * len(rows))[column] = min(values)
     return stages
 
 
@@ -104,8 +104,8 @@ def stages_table(rows, threads):
     body = []
     for name, seconds in stage_figures(rows, threads, "seconds").items():
         body.append([name, *map(number, seconds), number(exponent(zip(sizes, seconds)))])
-    totals = [median(by_threads(row["ours"], threads), "seconds") for row in rows]
-    processor = [median(by_threads(row["ours"], threads), "processor_seconds") for row in rows]
+    totals = [least(by_threads(row["ours"], threads), "seconds") for row in rows]
+    processor = [least(by_threads(row["ours"], threads), "processor_seconds") for row in rows]
     body.append(["**all**", *map(number, totals), number(exponent(zip(sizes, totals)))])
     body.append(["processor time", *map(number, processor), number(exponent(zip(sizes, processor)))])
     return table(["stage", *[f"{n:,}" for n in sizes], "exponent"], body)
@@ -124,13 +124,15 @@ def response_table(rows, threads):
         runs = [run for t in threads for run in good(by_threads(row["ours"], t)) if "progress" in run]
         if not runs:
             continue
-        worst = max(runs, key=lambda run: run["progress"]["largest_gap_seconds"])["progress"]
+        # Of the runs the one of the shortest silence: other load only adds. Of its stages the worst.
+        silences = [max(run["stages"], key=lambda stage: stage["largest_gap_seconds"]) for run in runs]
+        silence = min(silences, key=lambda stage: stage["largest_gap_seconds"])
         cancel = row["cancel"].values()
         body.append([f"{row['samples']:,}", "yes" if all(run["progress"]["monotone"] for run in runs) else "NO",
                      number(statistics.median(run["progress"]["calls_per_second"] for run in runs)),
-                     number(worst["largest_gap_seconds"]), worst["largest_gap_before"],
+                     number(silence["largest_gap_seconds"]), silence["name"],
                      number(max(cancel)) if cancel else "-"])
-    return table(["samples", "never falls", "calls/s", "longest silence, s", "before", "slowest end after cancel, s"], body)
+    return table(["samples", "never falls", "calls/s", "longest silence, s", "in stage", "slowest end after cancel, s"], body)
 
 
 def markdown(results):
@@ -138,8 +140,8 @@ def markdown(results):
     text = ["# Benchmark\n",
             f"Written by `sh tests/benchmark/run.sh` on {results['date']}: {results['machine']}. Load average while "
             f"measuring {min(results['load']):.1f} to {max(results['load']):.1f}.\n",
-            "Seconds without input and output, medians. *Ratio*: time of CGAL's advancing front over ours, the median "
-            "over neighbouring runs; above 1 ours is faster. Ours includes the matching report with its exact count of "
+            "Seconds without input and output, the least of the runs. *Ratio*: our time over that of CGAL's advancing front, the "
+            "median over neighbouring runs; below 1 ours is faster. Ours includes the matching report with its exact count of "
             "self-intersections. *Exponent*: slope of the time over the samples, both logarithmic, by least squares from "
             f"{PLAIN_FIT_FROM:,} samples on. *B/sample*: peak memory less what the process held before. MeshLab's filters "
             "run in meshlabserver, less an empty run; Screened Poisson is given normals by MeshLab, and octree nodes "
@@ -172,8 +174,8 @@ def plot(results, path):
                  for t in results["threads"]}
         lines["advancing front"] = [row["advancing_front"] for row in rows]
         for label, runs in lines.items():
-            draw(times, sizes, [median(r, "seconds") for r in runs], label, "o-")
-            draw(memory, sizes, [median(r, "bytes_per_sample") for r in runs], label, "o-")
+            draw(times, sizes, [least(r, "seconds") for r in runs], label, "o-")
+            draw(memory, sizes, [least(r, "bytes_per_sample") for r in runs], label, "o-")
         for name in ("Ball Pivoting", "Screened Poisson", "Shrink Wrap"):
             peers = [row["meshlab"].get(name) for row in rows]
             draw(times, sizes, [peer and peer["seconds"] for peer in peers], name + " in MeshLab", "s--")
@@ -185,6 +187,23 @@ def plot(results, path):
     figure.tight_layout()
     figure.savefig(path, metadata={"Date": None})
     return True
+
+
+def complaints(results):
+    """What must hold on any machine, however loaded: runs that ended, sound meshes, the same bytes for all threads."""
+    found = []
+    for row in results["rows"]:
+        name = f"{row['cloud']}, {row['samples']:,} samples"
+        runs = [run for t in results["threads"] for run in by_threads(row["ours"], t)]
+        found += [f"{name}: {run['error']}" for run in runs if "error" in run]
+        for run in good(runs):
+            found += [f"{name}: the mesh is not {key}" for key in ("closed", "manifold", "outward", "matched") if not run[key]]
+            progress = run["progress"]
+            if not progress["monotone"] or not progress["within_bounds"]:
+                found.append(f"{name}: progress falls or leaves [0, 1]")
+        if len({run["checksum"] for run in good(runs)}) > 1:
+            found.append(f"{name}: the runs do not give the same bytes")
+    return found
 
 
 def draw(axis, sizes, values, label, style):

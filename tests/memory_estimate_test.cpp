@@ -1,0 +1,61 @@
+#include "memory_estimate.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "reconstruct.h"
+#include "shapes.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr std::uint64_t kGibibyte = std::uint64_t{1} << 30;
+
+TEST(MemoryEstimate, IsLinearInTheSamples) {
+  const std::uint64_t base = estimated_peak_bytes(0);
+  const std::uint64_t million = estimated_peak_bytes(1'000'000) - base;
+  EXPECT_GT(million, 0u);
+  EXPECT_EQ(estimated_peak_bytes(10'000'000) - base, 10 * million);
+}
+
+TEST(MemoryEstimate, TenMillionSamplesFitIntoTwelveGibibytes) {
+  EXPECT_LE(estimated_peak_bytes(10'000'000), 12 * kGibibyte);
+  EXPECT_NO_THROW(require_memory_for(10'000'000, 12 * kGibibyte));
+}
+
+TEST(MemoryEstimate, AcceptsWhatJustFitsAndRefusesOneByteLess) {
+  const std::uint64_t needed = estimated_peak_bytes(3'000'000);
+  EXPECT_NO_THROW(require_memory_for(3'000'000, needed));
+  EXPECT_THROW(require_memory_for(3'000'000, needed - 1), InvalidInput);
+}
+
+TEST(MemoryEstimate, RefusalTellsBothFiguresAndARemedy) {
+  try {
+    require_memory_for(2'000'000'000, 4 * kGibibyte);
+    FAIL() << "2 billion samples were accepted in 4 GiB";
+  } catch (const InvalidInput& refusal) {
+    const std::string text = refusal.what();
+    EXPECT_NE(text.find("2000000000 points"), std::string::npos) << text;
+    EXPECT_NE(text.find("4.0 GiB"), std::string::npos) << text;
+    EXPECT_NE(text.find("thin"), std::string::npos) << text;
+  }
+}
+
+TEST(MemoryEstimate, RefusesBeforeAnyWorkIsDone) {
+  const auto points = testing::sample_shape(testing::ShapeKind::sphere, 1000, 1);
+  ReconstructionOptions options;
+  options.memory_limit = 1;
+  int calls = 0;
+  Progress progress(
+      [&](double, const char*) {
+        ++calls;
+        return true;
+      },
+      stages_of(options));
+  EXPECT_THROW(reconstruct(points, options, progress), InvalidInput);
+  EXPECT_EQ(calls, 0);
+}
+
+}  // namespace
+}  // namespace shrinkwrap
