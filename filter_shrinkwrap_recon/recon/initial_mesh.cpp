@@ -116,7 +116,8 @@ InitialMesh make_initial_mesh(const PointCloud& cloud, const VoxelSearch& search
   {
     VoxelSolid solid;
     {
-      const WindingNumber winding(cloud);
+      progress.set_range(0.0, 0.0);
+      const WindingNumber winding(cloud, progress);
       solid = make_voxel_solid(cloud, winding, options, progress);
     }
     const auto boundary = [&](Index min_samples) {

@@ -10,8 +10,9 @@ namespace shrinkwrap {
 namespace {
 
 constexpr Index kLeafSamples = 8;
-constexpr float kOpening = 2.0f;    // beta: a node is far from this many radii on
-constexpr double kSoftening = 0.5;  // x median spacing
+constexpr Index kProgressStride = 1 << 12;  // nodes
+constexpr float kOpening = 2.0f;            // beta: a node is far from this many radii on
+constexpr double kSoftening = 0.5;          // x median spacing
 constexpr double kGreatestSpacing =
     4;  // x median spacing: a lone sample stands for no more area than that
 constexpr double kFourPi = 12.566370614359172;
@@ -54,7 +55,7 @@ struct WindingNumber::Range {
   Index begin, end;
 };
 
-WindingNumber::WindingNumber(const PointCloud& cloud)
+WindingNumber::WindingNumber(const PointCloud& cloud, Progress& progress)
     : dipole_(cloud.position.size()),
       softening_(static_cast<float>(kSoftening * kSoftening * cloud.spacing * cloud.spacing)) {
   for (Index i = 0; i < cloud.size(); ++i) {
@@ -63,12 +64,20 @@ WindingNumber::WindingNumber(const PointCloud& cloud)
     dipole_[i] = {cloud.position[i].cast<float>(), side * side * cloud.normal[i]};
   }
   node_.reserve(static_cast<std::size_t>(4 * cloud.size() / kLeafSamples + 8));
-  if (cloud.size() > 0) build(0, cloud.size(), morton_keys(cloud.position));
+  if (cloud.size() > 0) build(0, cloud.size(), morton_keys(cloud.position), progress);
+}
+
+WindingNumber::WindingNumber(const PointCloud& cloud) {
+  Progress silent;
+  *this = WindingNumber(cloud, silent);
 }
 
 WindingNumber::Range WindingNumber::build(Index begin, Index end,
-                                          const std::vector<std::uint64_t>& keys) {
+                                          const std::vector<std::uint64_t>& keys,
+                                          Progress& progress) {
   const Index me = static_cast<Index>(node_.size());
+  if (me % kProgressStride == 0)
+    progress.update(static_cast<double>(begin) / static_cast<double>(dipole_.size()));
   node_.emplace_back();
   Range range;
   range.begin = begin;
@@ -88,7 +97,8 @@ WindingNumber::Range WindingNumber::build(Index begin, Index end,
     }
   } else {
     const Index middle = split_of(begin, end, keys);
-    const Range children[2] = {build(begin, middle, keys), build(middle, end, keys)};
+    const Range children[2] = {build(begin, middle, keys, progress),
+                               build(middle, end, keys, progress)};
     for (const Range& child : children)
       range.centre += static_cast<double>(child.end - child.begin) / (end - begin) * child.centre;
     for (const Range& child : children) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "point_cloud.h"
+#include "progress.h"
 
 namespace shrinkwrap {
 
@@ -14,8 +15,9 @@ namespace shrinkwrap {
 class WindingNumber {
  public:
   /// Pre: oriented normals; samples in Morton order. O(N log N).
-  explicit WindingNumber(const PointCloud& cloud);
-  double at(const Vec3& query) const;  ///< O(log N)
+  explicit WindingNumber(const PointCloud& cloud);             ///< silent
+  WindingNumber(const PointCloud& cloud, Progress& progress);  ///< throws Cancelled
+  double at(const Vec3& query) const;                          ///< O(log N)
 
  private:
   // A range of samples, in one line of the cache.
@@ -31,7 +33,7 @@ class WindingNumber {
     Vec3f position, moment;  // area x normal
   };
   struct Range;
-  Range build(Index begin, Index end, const std::vector<std::uint64_t>& keys);
+  Range build(Index begin, Index end, const std::vector<std::uint64_t>& keys, Progress& progress);
 
   std::vector<Dipole> dipole_;  // per sample
   float softening_;             // squared length
