@@ -67,6 +67,19 @@ std::string repair_line(const RepairReport& report) {
          count_of(report.flips, "edge flip");
 }
 
+std::map<std::string, double> figures_of(const MeshReport& report) {
+  return {{"vertices", report.vertices},
+          {"faces", report.faces},
+          {"components", report.components},
+          {"genus", report.genus},
+          {"border_loops", report.border_loops},
+          {"self_intersecting_faces", report.self_intersecting_faces},
+          {"samples", report.samples},
+          {"samples_matched", report.samples_matched},
+          {"samples_missing", report.samples_missing},
+          {"extra_vertices", report.vertices_extra}};
+}
+
 std::string surface_verdict(const char* what, const SurfaceMesh& mesh) {
   return kSucceeded + std::string(what) + ", " + std::to_string(mesh.vertex_count()) +
          " vertices, " + std::to_string(mesh.face_count()) + " faces, Euler characteristic " +
@@ -139,12 +152,17 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   Reconstruction result = reconstruct(input.points, request.options, progress);
 
   FilterOutcome outcome;
+  outcome.figures = figures_of(result.report);
   outcome.log.push_back(conditioning_line(result.conditioning, result.spacing));
   double total = 0.0;
   for (const StageRecord& stage : result.stages) {
     outcome.log.push_back(table_row(stage.name, stage.vertices, stage.seconds));
+    std::string key = "seconds_" + stage.name;
+    std::replace(key.begin(), key.end(), ' ', '_');
+    outcome.figures[key] = stage.seconds;
     total += stage.seconds;
   }
+  outcome.figures["seconds_total"] = total;
   outcome.log.push_back(table_row("total", static_cast<Index>(result.mesh.position.size()), total));
   for (std::string& line : describe(result.report)) outcome.log.push_back(std::move(line));
   outcome.log.push_back(kSucceeded + verdict_of(result.report));
@@ -298,6 +316,7 @@ FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterIn
     if (repair.faces_before > 0) outcome.log.push_back(repair_line(repair));
     warn_of(repair, outcome.warnings);
     outcome.marked_faces = indices_after_drop(repair.remaining_faces, dropped);
+    outcome.figures["self_intersecting_faces"] = static_cast<double>(outcome.marked_faces.size());
   }
   outcome.log.push_back(surface_verdict("edge optimisation", matching.mesh));
   outcome.mesh = to_result(matching, cloud, input.points);
@@ -313,6 +332,7 @@ FilterOutcome run_matching_report(const FilterRequest& request, const FilterInpu
                                          request.options.report, progress);
   const bool is_complete = report.closed() && report.manifold() && report.complete_matching();
   FilterOutcome outcome;
+  outcome.figures = figures_of(report);
   outcome.log = describe(report);
   const std::string verdict =
       std::string(is_complete ? "complete: " : "NOT complete: ") + verdict_of(report);
@@ -410,7 +430,12 @@ FilterOutcome run_filter(Filter filter, const FilterRequest& request, const Filt
 
   const int threads = request.options.threads;
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-  return arena.execute([&] { return dispatch(filter, request, input, progress); });
+  FilterOutcome outcome = arena.execute([&] { return dispatch(filter, request, input, progress); });
+  if (!outcome.mesh.triangles.empty()) {
+    outcome.figures["vertices"] = static_cast<double>(outcome.mesh.position.size());
+    outcome.figures["faces"] = static_cast<double>(outcome.mesh.triangles.size());
+  }
+  return outcome;
 }
 
 }  // namespace shrinkwrap

@@ -2,6 +2,7 @@
 // types.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,8 @@ struct FilterOutcome {
   std::vector<double> distance;     ///< of every vertex of the input mesh from the nearest sample
   std::vector<std::string> log;     ///< the last line is the verdict
   std::vector<std::string> warnings;
+  /// For scripts: counts, and seconds by stage, by name ("samples_matched", "seconds_total", ...).
+  std::map<std::string, double> figures;
 };
 
 /// How the verdict begins that every run ends with: in the log if it succeeded, in the error

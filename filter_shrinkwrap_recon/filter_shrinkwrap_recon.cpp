@@ -232,8 +232,8 @@ void ShrinkWrapReconPlugin::declare_parameters(int id, DocumentOfDialog& documen
 
 // The one place where what went wrong becomes the host's message: for the dialog as errorMessage,
 // for scripts, which never see that, as a line of the log.
-QString ShrinkWrapReconPlugin::run(int id, MeshDocument& document, const RichParameterList& list,
-                                   vcg::CallBackPos* callback) {
+FilterRun ShrinkWrapReconPlugin::run(int id, MeshDocument& document, const RichParameterList& list,
+                                     vcg::CallBackPos* callback) {
   const Filter filter = static_cast<Filter>(id);
   std::string where, what;
   try {
@@ -246,8 +246,7 @@ QString ShrinkWrapReconPlugin::run(int id, MeshDocument& document, const RichPar
       throw InvalidInput("there is no layer of samples: open a point cloud first");
     if (needs_mesh(filter) && mesh == nullptr)
       throw InvalidInput("there is no layer for the parameter " + std::string(kMeshLayer));
-    run_on_layers(filter, document, list, *samples, mesh, callback);
-    return {};
+    return {{}, run_on_layers(filter, document, list, *samples, mesh, callback)};
   } catch (const Cancelled&) {
     what = "cancelled: the document is as it was";
   } catch (const Error& error) {
@@ -264,12 +263,12 @@ QString ShrinkWrapReconPlugin::run(int id, MeshDocument& document, const RichPar
   }
   const std::string message = kFailed + where + what;
   log_line(GLLogStream::WARNING, message);
-  return QString::fromStdString(message);
+  return {QString::fromStdString(message), {}};
 }
 
-void ShrinkWrapReconPlugin::run_on_layers(Filter filter, MeshDocument& document,
-                                          const RichParameterList& list, MeshModel& samples,
-                                          MeshModel* mesh, vcg::CallBackPos* callback) {
+std::map<std::string, double> ShrinkWrapReconPlugin::run_on_layers(
+    Filter filter, MeshDocument& document, const RichParameterList& list, MeshModel& samples,
+    MeshModel* mesh, vcg::CallBackPos* callback) {
   FilterRequest request = request_of(filter, values_of(list, parameters_of(filter)));
   request.options.host_scalar =
       kHostIsSinglePrecision ? HostScalar::single_precision : HostScalar::double_precision;
@@ -313,4 +312,5 @@ void ShrinkWrapReconPlugin::run_on_layers(Filter filter, MeshDocument& document,
 
   for (const std::string& warning : outcome.warnings) log_line(GLLogStream::WARNING, warning);
   for (const std::string& line : outcome.log) log_line(line);
+  return outcome.figures;
 }

@@ -20,11 +20,11 @@ class ShrinkWrapReconPlugin : public QObject, public shrinkwrap::FilterHost {
   shrinkwrap::FilterDescription describe(int filter) const override;
   void declare_parameters(int filter, shrinkwrap::DocumentOfDialog& document,
                           RichParameterList& list) const override;
-  QString run(int filter, MeshDocument& document, const RichParameterList& list,
-              vcg::CallBackPos* callback) override;
+  shrinkwrap::FilterRun run(int filter, MeshDocument& document, const RichParameterList& list,
+                            vcg::CallBackPos* callback) override;
 
  private:
-  void run_on_layers(shrinkwrap::Filter filter, MeshDocument& document,
-                     const RichParameterList& list, MeshModel& samples, MeshModel* mesh,
-                     vcg::CallBackPos* callback);
+  std::map<std::string, double> run_on_layers(shrinkwrap::Filter filter, MeshDocument& document,
+                                              const RichParameterList& list, MeshModel& samples,
+                                              MeshModel* mesh, vcg::CallBackPos* callback);
 };

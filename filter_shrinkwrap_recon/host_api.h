@@ -8,6 +8,8 @@
 #include <QString>
 #include <QStringList>
 #include <charconv>
+#include <cmath>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -46,6 +48,12 @@ struct FilterDescription {
   int changes = 0;  ///< MeshModel::MM_..., or-ed
 };
 
+/// How a run of a filter ended.
+struct FilterRun {
+  QString error;                          ///< why it failed; empty if it did not
+  std::map<std::string, double> figures;  ///< what later generations hand to scripts
+};
+
 /// A plugin of filters, in the terms of neither generation. Filters are numbered from 0.
 class FilterHost : public HostInterface {
  public:
@@ -67,7 +75,7 @@ class FilterHost : public HostInterface {
   }
   bool applyFilter(QAction* action, MeshDocument& document, const RichParameterList& list,
                    vcg::CallBackPos* callback) override {
-    errorMessage = run(ID(action), document, list, callback);
+    errorMessage = run(ID(action), document, list, callback).error;
     return errorMessage.isEmpty();
   }
 #else
@@ -89,9 +97,14 @@ class FilterHost : public HostInterface {
   std::map<std::string, QVariant> applyFilter(const QAction* action, const RichParameterList& list,
                                               MeshDocument& document, unsigned int&,
                                               vcg::CallBackPos* callback) override {
-    const QString error = run(ID(action), document, list, callback);
-    if (!error.isEmpty()) throw MLException(error);
-    return {};
+    const FilterRun done = run(ID(action), document, list, callback);
+    if (!done.error.isEmpty()) throw MLException(done.error);
+    std::map<std::string, QVariant> values;
+    for (const auto& [name, value] : done.figures) {
+      const bool is_count = value == std::floor(value) && std::abs(value) < 2e9;
+      values[name] = is_count ? QVariant(static_cast<int>(value)) : QVariant(value);
+    }
+    return values;
   }
 #endif
 
@@ -99,9 +112,9 @@ class FilterHost : public HostInterface {
   virtual FilterDescription describe(int filter) const = 0;
   virtual void declare_parameters(int filter, DocumentOfDialog& document,
                                   RichParameterList& list) const = 0;
-  /// Returns an empty text, or why it failed. Throws nothing.
-  virtual QString run(int filter, MeshDocument& document, const RichParameterList& list,
-                      vcg::CallBackPos* callback) = 0;
+  /// Throws nothing.
+  virtual FilterRun run(int filter, MeshDocument& document, const RichParameterList& list,
+                        vcg::CallBackPos* callback) = 0;
 
   /// To be called by the constructor of the plugin, which owns the actions.
   void announce_filters(int count, QObject* owner) {
