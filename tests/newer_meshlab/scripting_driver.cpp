@@ -6,18 +6,19 @@
 //   later)
 //
 // A dump holds positions and faces as they are in memory: two hosts agree if their dumps do.
-#include <wrap/io_trimesh/import_ply.h>
-
 #include <QApplication>
 #include <QPluginLoader>
 #include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <wrap/ply/plylib.cpp>
 
 #include "filter_parameters.h"
 #include "host_api.h"
+
+// After the host's own headers, which they need.
+#include <wrap/io_trimesh/import_ply.h>
+#include <wrap/ply/plylib.cpp>
 
 #if SHRINKWRAP_MESHLAB_GENERATION == 2021
 #include <common/plugins/plugin_manager.h>
