@@ -140,7 +140,7 @@ Parameter count_intersections() {
 std::vector<Parameter> initial_mesh_parameters() {
   return {
       neighbours(),
-      advanced(number(Kind::real, kVoxelSize, "Voxel size", 1.5, 0.75, 4.0,
+      advanced(number(Kind::real, kVoxelSize, "Voxel size", 1.75, 0.75, 4.0,
                       "Robust method: edge of the voxels of the first solid. Lowered (1.0): parts "
                       "that come close to each "
                       "other are kept apart, at the price of false holes in sparse places. Raised "

@@ -104,6 +104,7 @@ TEST(ParametricSurface, LeavesTheLastSubdivisionOutWhereItIsFineEnough) {
   const auto subdivisions_of = [](const Prepared& samples, double fine_enough) {
     ParametricSurfaceOptions options;
     options.fine_enough = fine_enough;
+    options.fine_enough_from = 1000;
     Progress silent;
     const ParametricSurface surface =
         make_parametric_surface(in_frame(icosphere(2), samples.cloud.frame), samples.cloud,

@@ -16,7 +16,7 @@ struct InitialMeshOptions {
   Start start = Start::winding_number;
 
   // winding_number; lengths in median spacings s
-  double voxel_size = 1.5;  ///< x s
+  double voxel_size = 1.75;  ///< x s
   double level =
       0.4;  ///< solid where the field exceeds it (0.5 makes false handles, 0.3 suits half scans)
   double blend_begin =

@@ -231,6 +231,7 @@ ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud&
     const bool is_last = level + 1 >= options.subdivisions;
     progress.set_range(0.1 * level, 0.1 * level);
     if (is_last && level > 0 && options.fine_enough > 0.0 &&
+        cloud.size() >= options.fine_enough_from &&
         is_within_reach(mesh, cloud, options.fine_enough * cloud.spacing, progress))
       break;
     mesh = loop_subdivide(mesh, progress);

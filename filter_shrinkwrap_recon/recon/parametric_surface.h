@@ -18,6 +18,8 @@ struct ParametricSurfaceOptions {
   /// but one in a thousand lie within this many spacings of it. 0: always subdivide. What follows
   /// is several times faster then, and no worse.
   double fine_enough = 0.5;
+  /// With fewer samples than this always subdivide: there is no time to be saved.
+  Index fine_enough_from = 20000;
   /// Fitting iterations after each subdivision; half as many, rounded up, after the last, which
   /// starts from a surface that fits already.
   int iterations = 5;
