@@ -20,6 +20,37 @@ def declared():
     return filters
 
 
+def declared_defaults():
+    done = subprocess.run([PROGRAM, PLUGIN], capture_output=True, check=True)
+    filters = {}
+    for line in done.stdout.decode().splitlines():
+        name, kind, parameter, value = line.split("\t")
+        if kind == "RichBool":
+            value = value.capitalize()
+        elif kind == "RichMesh":
+            value = "the current layer"
+        else:
+            value = float(value)
+        filters.setdefault(name, []).append((parameter.lower(), value))
+    return filters
+
+
+def documented_defaults():
+    """What docs/pymeshlab.md says: for every filter its parameters, by Python name, and their defaults."""
+    filters = {}
+    for line in (ROOT / "docs" / "pymeshlab.md").read_text(encoding="utf-8").splitlines():
+        if line.startswith("## "):
+            rows = filters.setdefault(line[3:], [])
+        elif line.startswith("| `"):
+            name, _, value = (cell.strip() for cell in line.strip("|").split("|"))
+            try:
+                value = float(value)
+            except ValueError:
+                pass
+            rows.append((name.strip("`"), value))
+    return filters
+
+
 class ScriptParameters(unittest.TestCase):
     def test_scripts_match_the_plugin(self):
         filters = declared()
@@ -37,6 +68,9 @@ class ScriptParameters(unittest.TestCase):
                     self.assertIn(name, filters)
                     self.assertEqual([(p.get("type"), p.get("name")) for p in step], filters[name])
         self.assertEqual(used, set(filters), "a filter of ours that no script runs")
+
+    def test_table_of_python_names_matches_the_plugin(self):
+        self.assertEqual(documented_defaults(), declared_defaults())
 
     def test_defaults_of_the_reconstruction_script(self):
         done = subprocess.run([PROGRAM, PLUGIN, "--script"], capture_output=True, check=True)

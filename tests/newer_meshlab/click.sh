@@ -1,7 +1,7 @@
 #!/bin/sh
 # click.sh MESHLAB CLOUD PICTURES: what a person does, on the display that is there: opens a cloud in MeshLab, types the
 # filter's name into the search box, applies it with its defaults. Leaves pictures of the dialog and of the result, and
-# fails unless the log of the window's project says that the filter succeeded.
+# fails unless MeshLab's log says that the filter succeeded.
 set -eu
 meshlab=$1 cloud=$2 pictures=$3
 
@@ -33,16 +33,34 @@ wait_for() { # seconds, command ...
 }
 key() { xdotool key --clearmodifiers "$@"; sleep 1; }
 
-wait_for 60 xdotool search --onlyvisible --name '^MeshLab'
-sleep 5
-window=$(xdotool search --onlyvisible --name '^MeshLab' | tail -n 1)
-xdotool windowactivate --sync "$window" windowsize --sync "$window" 1400 930 windowmove --sync "$window" 0 0
-sleep 2
+# Stock plugins whose libraries are not there are told in a window of its own.
+is_open() {
+  if other=$(xdotool search --onlyvisible --name 'Error while loading' 2>/dev/null); then
+    xdotool windowactivate --sync "$other" key Return
+  fi
+  xdotool search --onlyvisible --name 'MeshLab [0-9]'
+}
+wait_for 90 is_open
+sleep 8
+window=$(xdotool search --onlyvisible --name 'MeshLab [0-9]' | tail -n 1)
+xdotool windowactivate --sync "$window" windowsize "$window" 1400 930 windowmove "$window" 0 0
+sleep 3
+import -window root "$pictures/opened.png"
 key ctrl+f
 xdotool type --delay 60 "Surface Reconstruction: Shrink"
-sleep 2
+sleep 3
 import -window root "$pictures/search.png"
-xdotool mousemove 982 118 click 1
-wait_for 20 xdotool search --onlyvisible --name 'Shrink Wrap'
-sleep 1
+xdotool mousemove 1055 112 click 1
+wait_for 20 xdotool search --onlyvisible --name '^Surface Reconstruction: Shrink Wrap'
+sleep 3
 import -window root "$pictures/dialog.png"
+
+# Apply is at three quarters of the dialog's width, 23 pixels above its lower edge.
+eval "$(xdotool search --onlyvisible --name '^Surface Reconstruction: Shrink Wrap' getwindowgeometry --shell)"
+xdotool mousemove $((X + WIDTH * 3 / 4)) $((Y + HEIGHT - 22)) click 1
+wait_for 120 grep -q 'Shrink Wrap [sf]' "$home/host.log"
+sed -n 's/^LOG: [0-9]* \(Shrink Wrap [sf]\)/\1/p' "$home/host.log"
+grep -q 'Shrink Wrap succeeded' "$home/host.log"
+xdotool mousemove $((X + WIDTH / 4)) $((Y + HEIGHT - 22)) click 1
+sleep 3
+import -window root "$pictures/result.png"

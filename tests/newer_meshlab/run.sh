@@ -102,6 +102,9 @@ try_suite() {
   mkdir "$place/$suite/source"
   (cd "$root" && tar -c --exclude=./build* --exclude=./.git .) | tar -x -C "$place/$suite/source"
   cp "$cloud" "$place/$suite/cloud.ply"
+  mkdir -p "$place/$suite/eigen/include" "$place/$suite/eigen/share/eigen3"
+  cp -r /usr/include/eigen3 "$place/$suite/eigen/include/"
+  cp -r /usr/share/eigen3/cmake "$place/$suite/eigen/share/eigen3/"
 
   inside sh /source/tests/newer_meshlab/inside.sh >"$place/$suite.log" 2>&1 || {
     tail -n 40 "$place/$suite.log" >&2

@@ -7,6 +7,7 @@
 //
 // A dump holds positions and faces as they are in memory: two hosts agree if their dumps do.
 #include <QApplication>
+#include <QDir>
 #include <QPluginLoader>
 #include <chrono>
 #include <cstdio>
@@ -186,7 +187,7 @@ void run_builtins(PluginManager& manager, const char* cloud) {
 int main(int argc, char** argv) {
   QApplication application(argc, argv);
   if (argc < 3)
-    fail("usage: scripting_driver PLUGIN functions | reconstruct CLOUD DUMP | builtins CLOUD");
+    fail("usage: scripting_driver PLUGIN functions | reconstruct CLOUD DUMP | builtins CLOUD FOLDER");
 #if SHRINKWRAP_MESHLAB_GENERATION == 2020
   QPluginLoader loader(QString::fromLocal8Bit(argv[1]));
   auto* plugin = qobject_cast<HostInterface*>(loader.instance());
@@ -204,8 +205,12 @@ int main(int argc, char** argv) {
     print_functions(*plugin);
     return 0;
   }
-  if (std::strcmp(argv[2], "builtins") == 0 && argc == 4) {
-    manager.loadPlugins();
+  if (std::strcmp(argv[2], "builtins") == 0 && argc == 5) {
+    try {
+      manager.loadPlugins(QDir(QString::fromLocal8Bit(argv[4])));
+    } catch (const MLException& error) {
+      std::fprintf(stderr, "%s\n", error.what());  // some miss libraries of theirs: go on without
+    }
     run_builtins(manager, argv[3]);
     return 0;
   }
