@@ -9,16 +9,19 @@
 #include <QApplication>
 #include <QDir>
 #include <QPluginLoader>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <set>
 
 #include "filter_parameters.h"
 #include "host_api.h"
 
 // After the host's own headers, which they need.
 #include <wrap/io_trimesh/import_ply.h>
+
 #include <wrap/ply/plylib.cpp>
 
 #if SHRINKWRAP_MESHLAB_GENERATION == 2021
@@ -154,29 +157,68 @@ void print_functions(HostInterface& plugin) {
   }
 }
 
-// The host's own reconstructions of the same cloud: what they keep of it, and their time.
+struct HostFilter {
+  FilterPlugin* plugin = nullptr;
+  QAction* action = nullptr;
+};
+HostFilter find_filter(PluginManager& manager, const QString& python_name) {
+  for (FilterPlugin* plugin : manager.filterPluginIterator())
+    for (QAction* action : plugin->actions())
+      if (plugin->pythonFilterName(plugin->ID(action)) == python_name) return {plugin, action};
+  return {};
+}
+
+std::string apply_with_defaults(const HostFilter& filter, MeshDocument& document) {
+  bool succeeded = false;
+  const std::string text =
+      apply(*filter.plugin, filter.action, document,
+            filter.plugin->initParameterList(filter.action, document), succeeded);
+  return succeeded ? "" : text;
+}
+
+using Position = std::array<MESHLAB_SCALAR, 3>;
+std::set<Position> positions_of(const CMeshO& mesh) {
+  std::set<Position> positions;
+  for (const auto& vertex : mesh.vert)
+    if (!vertex.IsD()) positions.insert({vertex.cP()[0], vertex.cP()[1], vertex.cP()[2]});
+  return positions;
+}
+
+// The host's own reconstructions of the same cloud, with their defaults, beside ours.
 void run_builtins(PluginManager& manager, const char* cloud) {
+  std::printf(
+      "| filter | vertices | faces | samples kept | seconds |\n|---|---:|---:|---:|---:|\n");
   for (const char* name :
-       {"generate_surface_reconstruction_ball_pivoting",
+       {"generate_surface_reconstruction_shrink_wrap",
+        "generate_surface_reconstruction_ball_pivoting",
         "generate_surface_reconstruction_screened_poisson", "generate_alpha_wrap"}) {
-    for (FilterPlugin* plugin : manager.filterPluginIterator())
-      for (QAction* action : plugin->actions()) {
-        if (plugin->pythonFilterName(plugin->ID(action)) != name) continue;
-        MeshDocument document;
-        load_cloud(document, cloud);
-        MeshModel* const samples = document.mm();
-        const auto begin = std::chrono::steady_clock::now();
-        bool succeeded = false;
-        const std::string text = apply(*plugin, action, document,
-                                       plugin->initParameterList(action, document), succeeded);
-        const double seconds =
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-        const CMeshO& mesh = document.mm()->cm;
-        if (!succeeded || document.mm() == samples)
-          std::printf("%s: no mesh (%s)\n", name, text.c_str());
-        else
-          std::printf("%s: %d vertices, %d faces, %.2f s\n", name, mesh.vn, mesh.fn, seconds);
-      }
+    const HostFilter filter = find_filter(manager, name);
+    if (filter.plugin == nullptr) {
+      std::printf("| %s | not in this MeshLab | | | |\n", name);
+      continue;
+    }
+    MeshDocument document;
+    load_cloud(document, cloud);
+    const std::set<Position> samples = positions_of(document.mm()->cm);
+    const HostFilter normals = find_filter(manager, "compute_normal_for_point_clouds");
+    if (normals.plugin != nullptr) {  // which Screened Poisson wants
+      document.mm()->updateDataMask(MeshModel::MM_VERTNORMAL);
+      apply_with_defaults(normals, document);
+    }
+    document.mm()->updateDataMask(filter.plugin->getRequirements(filter.action));
+    const auto begin = std::chrono::steady_clock::now();
+    const std::string error = apply_with_defaults(filter, document);
+    const double seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    const CMeshO& mesh = document.mm()->cm;
+    if (!error.empty() || mesh.fn == 0) {
+      std::printf("| %s | no mesh | | | |\n", name);
+      continue;
+    }
+    std::size_t kept = 0;
+    for (const Position& position : positions_of(mesh)) kept += samples.count(position);
+    std::printf("| %s | %d | %d | %zu of %zu | %.2f |\n", name, mesh.vn, mesh.fn, kept,
+                samples.size(), seconds);
   }
 }
 
@@ -187,7 +229,9 @@ void run_builtins(PluginManager& manager, const char* cloud) {
 int main(int argc, char** argv) {
   QApplication application(argc, argv);
   if (argc < 3)
-    fail("usage: scripting_driver PLUGIN functions | reconstruct CLOUD DUMP | builtins CLOUD FOLDER");
+    fail(
+        "usage: scripting_driver PLUGIN functions | reconstruct CLOUD DUMP | builtins CLOUD "
+        "FOLDER");
 #if SHRINKWRAP_MESHLAB_GENERATION == 2020
   QPluginLoader loader(QString::fromLocal8Bit(argv[1]));
   auto* plugin = qobject_cast<HostInterface*>(loader.instance());
