@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 
 #include "expect_mesh.h"
@@ -190,6 +191,44 @@ TEST(IntersectionRepair, MakesNoFaceDegenerate) {
   EXPECT_GT(report.before, 0);
   EXPECT_LE(count_degenerate(mesh), degenerate_before);
   expect_honest(report, before, mesh, 1, 0);
+}
+
+TEST(IntersectionRepair, PartsSamplesThatNearlyCoincide) {
+  // On a flat a vertex a thousandth of an edge from its neighbour has come to lie across an edge.
+  // Only a needle between the two mends it.
+  SurfaceMesh sphere = icosphere(4);
+  constexpr double kFlat = 0.8;
+  for (Vec3& p : sphere.position) p[2] = std::min(p[2], kFlat);
+  const auto is_inside_flat = [&](Index v) {
+    bool inside = true;
+    sphere.for_each_outgoing(
+        v, [&](Index h) { inside = inside && sphere.position[sphere.target(h)][2] == kFlat; });
+    return inside;
+  };
+  int tried = 0;
+  for (Index h = 0; h < sphere.halfedge_slots() && tried < 5; h += 7) {
+    const Index a = sphere.origin(h), b = sphere.target(h), c = sphere.opposite(h);
+    const Index d = sphere.opposite(sphere.twin(h));
+    if (!is_inside_flat(a) || !is_inside_flat(b) || !is_inside_flat(c) || !is_inside_flat(d))
+      continue;
+    ++tried;
+    SCOPED_TRACE("half-edge " + std::to_string(h));
+    std::vector<Vec3> positions = sphere.position;
+    const Index x = static_cast<Index>(positions.size());
+    const Vec3 towards_d = positions[d] - positions[a], along = positions[b] - positions[a];
+    positions.push_back(positions[a] + 1e-3 * towards_d + 5e-5 * along);
+    std::vector<Triangle> triangles = sphere.triangles();
+    triangles[SurfaceMesh::face(h)] = {a, b, x};
+    triangles.push_back({b, c, x});
+    triangles.push_back({c, a, x});
+    SurfaceMesh mesh = SurfaceMesh::from_triangles(positions, triangles);
+    const SurfaceMesh before = mesh;
+    const RepairReport report = repair(mesh);
+    EXPECT_GT(report.before, 0);
+    EXPECT_EQ(report.after, 0);
+    expect_honest(report, before, mesh, 1, 0);
+  }
+  EXPECT_EQ(tried, 5);
 }
 
 TEST(IntersectionRepair, CanBeCancelled) {

@@ -17,6 +17,8 @@ namespace {
 
 // No face is made whose height is a smaller part of its longest edge, unless one was there.
 constexpr double kLeastHeight = 1e-3;
+// The same where two flips do not help: samples a thousandth of an edge apart leave but needles.
+constexpr double kLeastHeightAtLast = 1e-5;
 // Unfolding by a smaller part is no reason to flip.
 constexpr double kLeastUnfolding = 1e-3;
 // Pairs that the first of several flips may add.
@@ -28,9 +30,16 @@ constexpr Index kPollInterval = 8;
 struct Attempt {
   int look_ahead;     // flips that are tried together
   bool folds_freely;  // without the fold guard
+  double least_height = kLeastHeight;
 };
-constexpr Attempt kAttempts[] = {{1, false}, {2, false}, {1, true},
-                                 {2, true},  {3, true},  {4, true}};
+constexpr Attempt kAttempts[] = {{1, false},
+                                 {2, false},
+                                 {1, true},
+                                 {2, true},
+                                 {1, true, kLeastHeightAtLast},
+                                 {2, true, kLeastHeightAtLast},
+                                 {3, true},
+                                 {4, true}};
 
 // By face slot: removed faces have no valid index, so that trees and tests leave them out.
 std::vector<Triangle> slot_triangles(const SurfaceMesh& mesh) {
@@ -146,6 +155,7 @@ class Repair {
   TrianglePairs test_;
   BoxTree tree_;
   double fold_guard_ = 0.0;
+  double least_height_ = kLeastHeight;
   std::vector<Index> touched_;  // faces that flips changed in this round
   Index flips_ = 0;
   std::int64_t trials_left_ = 0;
@@ -186,7 +196,7 @@ bool Repair::is_allowed(Index h, const Hinge& then, HingeShape& shape_now,
   shape_now = shape_of(h, hinge_at(h));
   shape_then = shape_of(h, then);
   if (shape_then.sharpest < std::min(fold_guard_, shape_now.sharpest)) return false;
-  if (shape_then.least_height < std::min(kLeastHeight, shape_now.least_height)) return false;
+  if (shape_then.least_height < std::min(least_height_, shape_now.least_height)) return false;
   const auto& p = mesh_.position;
   return std::all_of(then.begin(), then.end(), [&](const Triangle& t) {
     return projection_axis(p[t[0]], p[t[1]], p[t[2]]) != kNone;
@@ -315,6 +325,7 @@ RepairReport Repair::run() {
     const double done = static_cast<double>(report.rounds) / options_.max_rounds;
     ++report.rounds;
     fold_guard_ = kAttempts[attempt].folds_freely ? -1.0 : options_.fold_guard;
+    least_height_ = kAttempts[attempt].least_height;
     const int look_ahead = kAttempts[attempt].look_ahead;
     const std::vector<Index> edges = edges_near(faces, look_ahead > 1 ? 1 : 0);
     touched_.clear();
@@ -340,6 +351,7 @@ RepairReport Repair::run() {
     faces = intersecting_faces(pairs);
   }
   touched_.clear();
+  least_height_ = kLeastHeight;
   unfold(changed);
   faces.insert(faces.end(), touched_.begin(), touched_.end());
   pairs = pairs_of(faces);

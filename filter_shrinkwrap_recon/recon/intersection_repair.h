@@ -35,8 +35,9 @@ struct RepairReport {
 /// Flips edges near faces that meet others while that lowers the number of pairs, or, at the same
 /// number, unfolds the hinge; where no flip does, looks for two and more neighbouring ones that do
 /// together. Sharper folds than the guard allows are made only where all this fails, and unfolded
-/// at the end if that costs no pair. Vertices neither move nor vanish, no face becomes degenerate,
-/// and the mesh stays a closed 2-manifold of the same genus. `after` is never above `before`.
+/// at the end if that costs no pair; needles only where folds do not help. Vertices neither move
+/// nor vanish, no face becomes degenerate, and the mesh stays a closed 2-manifold of the same
+/// genus. `after` is never above `before`.
 ///
 /// Finding the pairs costs as much as `self_intersections`; the rest is proportional to the number
 /// of faces in them. Deterministic.
