@@ -220,8 +220,12 @@ std::vector<Parameter> reconstruct_parameters() {
       selected_only(),
       advanced(boolean(kKeepStages, "Keep every stage as a layer", false,
                        "Also add the initial mesh, the control mesh, the parametric surface and "
-                       "the complete matching "
-                       "before its edges are optimised, each as a layer. Takes more memory.")),
+                       "the complete matching before its edges are optimised (As in the paper: "
+                       "the bounding box too), each as a layer, in this order. In the last two "
+                       "meshes the vertex quality is the distance from the parametric surface "
+                       "(unless the points bring a quality of their own), and the face quality of "
+                       "faces that span an opening their longest edge in sample spacings: see "
+                       "them with \"Colorize by vertex Quality\". Takes about twice the memory.")),
   };
   append(list, initial_mesh_parameters());
   list.push_back(control_vertices());

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "parallel.h"
+#include "stage_qualities.h"
 #include "voxel_search.h"
 
 namespace shrinkwrap {
@@ -232,9 +233,9 @@ FilterOutcome run_complete_matching(const FilterRequest& request, const FilterIn
                                     Progress& progress) {
   FilterOutcome outcome;
   const PreparedSamples samples = prepare_oriented(input, request.options, progress, outcome);
-  CompleteMatching matching =
-      match_samples(to_surface(input.mesh, samples.cloud.frame), samples.cloud, samples.search,
-                    request.options.complete_matching, progress);
+  const SurfaceMesh surface = to_surface(input.mesh, samples.cloud.frame);
+  CompleteMatching matching = match_samples(surface, samples.cloud, samples.search,
+                                            request.options.complete_matching, progress);
   warn_of(matching.report, outcome.warnings);
   outcome.log.push_back("distance of the samples from the parametric surface: mean " +
                         formatted("%.3f", matching.report.mean_foot_distance) + ", greatest " +
@@ -242,6 +243,11 @@ FilterOutcome run_complete_matching(const FilterRequest& request, const FilterIn
                         count_of(matching.report.membranes, "opening"));
   outcome.log.push_back(surface_verdict("complete matching", matching.mesh));
   outcome.mesh = to_result(matching, samples.cloud, input.points);
+  outcome.mesh.vertex_quality =
+      distances_from_surface(outcome.mesh, surface, samples.cloud.frame, progress);
+  outcome.mesh.face_quality =
+      spanning_lengths(outcome.mesh, matching.spanning_faces,
+                       samples.cloud.frame.to_input_length(samples.cloud.spacing));
   outcome.marked_faces = std::move(matching.spanning_faces);
   outcome.layer_suffix = "complete matching";
   return outcome;

@@ -177,12 +177,29 @@ class NewLayers {
     layers_.push_back(layer);
     layer->updateDataMask(samples.dataMask() & kCarriedData);
     mesh_to_vcg(mesh, samples.cm, points, layer->cm, marked_faces);
+    show_qualities(mesh, samples, *layer);
     layer->cm.Tr = samples.cm.Tr;
     layer->updateDataMask(MeshModel::MM_VERTNORMAL | MeshModel::MM_FACENORMAL);
   }
   void keep() { is_kept_ = true; }
 
  private:
+  // The quality that the samples brought is theirs to keep.
+  static void show_qualities(const ResultMesh& mesh, const MeshModel& samples, MeshModel& layer) {
+    const auto copy = [](const std::vector<float>& quality, auto& elements) {
+      for (std::size_t i = 0; i < quality.size(); ++i)
+        elements[i].Q() = static_cast<MESHLAB_SCALAR>(quality[i]);
+    };
+    if (!mesh.vertex_quality.empty() && !samples.hasDataMask(MeshModel::MM_VERTQUALITY)) {
+      layer.updateDataMask(MeshModel::MM_VERTQUALITY);
+      copy(mesh.vertex_quality, layer.cm.vert);
+    }
+    if (!mesh.face_quality.empty()) {
+      layer.updateDataMask(MeshModel::MM_FACEQUALITY);
+      copy(mesh.face_quality, layer.cm.face);
+    }
+  }
+
   MeshDocument& document_;
   MeshModel* current_;
   std::vector<MeshModel*> layers_;

@@ -13,18 +13,6 @@ constexpr Index kGrain = 1 << 10;
 constexpr Index kBoxVertices = 8;
 constexpr int kMaxLevels = 12;  // 100 million vertices, and few enough half-edges for an Index
 
-// The box lies a spacing off the samples, so that it has a volume even if they hardly do.
-SurfaceMesh box_around(const PointCloud& cloud) {
-  Vec3 low = cloud.position.front(), high = low;
-  for (const Vec3& p : cloud.position) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  const double least_margin = 1e-6 * (high - low).maxCoeff();
-  const Vec3 margin = Vec3::Constant(std::max(cloud.spacing, least_margin));
-  return box_mesh(low - margin, high + margin);
-}
-
 // Eq. 4-5: towards the nearest sample.
 void project(SurfaceMesh& mesh, const PointCloud& cloud, const VoxelSearch& search, double xi,
              Progress& progress) {
@@ -60,6 +48,18 @@ int levels_for(Index samples) {
        levels < kMaxLevels && subdivided_vertices(vertices) <= samples / 4; ++levels)
     vertices = subdivided_vertices(vertices);
   return levels;
+}
+
+// The box lies a spacing off the samples, so that it has a volume even if they hardly do.
+SurfaceMesh box_around(const PointCloud& cloud) {
+  Vec3 low = cloud.position.front(), high = low;
+  for (const Vec3& p : cloud.position) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const double least_margin = 1e-6 * (high - low).maxCoeff();
+  const Vec3 margin = Vec3::Constant(std::max(cloud.spacing, least_margin));
+  return box_mesh(low - margin, high + margin);
 }
 
 SurfaceMesh box_mesh(const Vec3& low, const Vec3& high) {

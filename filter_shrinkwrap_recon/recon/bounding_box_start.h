@@ -16,6 +16,9 @@ constexpr Index subdivided_vertices(Index vertices) {
 /// and 2); 0 if there is none.
 int levels_for(Index samples);
 
+/// What the start shrinks: the box of the samples with a margin of a spacing, in the unit frame.
+SurfaceMesh box_around(const PointCloud& cloud);
+
 /// The closed mesh of a box: 8 vertices, 12 triangles, outward. Pre: low < high on every axis.
 SurfaceMesh box_mesh(const Vec3& low, const Vec3& high);
 

@@ -4,7 +4,9 @@
 
 #include <chrono>
 
+#include "bounding_box_start.h"
 #include "memory_estimate.h"
+#include "stage_qualities.h"
 #include "voxel_search.h"
 
 namespace shrinkwrap {
@@ -42,6 +44,17 @@ class StageLog {
     add(stage, vertices);
     if (!keep_meshes_) return;
     result_.stages.back().mesh = make_mesh();
+    watch_.lap();
+  }
+  // A mesh that takes no time, and is not a row of the table.
+  template <class MakeMesh>
+  void add_layer(const char* name, const MakeMesh& make_mesh) {
+    if (!keep_meshes_) return;
+    StageRecord record;
+    record.name = name;
+    record.mesh = make_mesh();
+    record.vertices = static_cast<Index>(record.mesh.position.size());
+    result_.stages.push_back(std::move(record));
     watch_.lap();
   }
 
@@ -88,6 +101,8 @@ Reconstruction run(const std::vector<Vec3>& points, const ReconstructionOptions&
 
   SurfaceMesh mesh;
   const auto in_input_frame = [&] { return to_result(mesh, cloud.frame); };
+  if (options.initial_mesh.start == InitialMeshOptions::Start::bounding_box)
+    log.add_layer("bounding box", [&] { return to_result(box_around(cloud), cloud.frame); });
   {
     InitialMesh initial = make_initial_mesh(cloud, search, options.initial_mesh, progress);
     result.initial_mesh = initial.report;
@@ -116,11 +131,18 @@ Reconstruction run(const std::vector<Vec3>& points, const ReconstructionOptions&
   if (options.stop_at_parametric_surface) {
     result.mesh = in_input_frame();
   } else {
+    const SurfaceMesh surface = options.keep_stages ? mesh : SurfaceMesh();
     CompleteMatching matching =
         match_samples(std::move(mesh), cloud, search, options.complete_matching, progress);
     result.complete_matching = matching.report;
-    log.add(Stage::complete_matching, matching.mesh.vertex_count(),
-            [&] { return to_result(matching, cloud, points); });
+    const auto with_qualities = [&](ResultMesh stage, const std::vector<Index>& spanning) {
+      stage.vertex_quality = distances_from_surface(stage, surface, cloud.frame, progress);
+      stage.face_quality = spanning_lengths(stage, spanning, result.spacing);
+      return stage;
+    };
+    log.add(Stage::complete_matching, matching.mesh.vertex_count(), [&] {
+      return with_qualities(to_result(matching, cloud, points), matching.spanning_faces);
+    });
 
     result.edge_optimisation =
         optimise_edges(matching.mesh, options.edge_optimisation, progress, matching.spanning_faces);
@@ -132,7 +154,11 @@ Reconstruction run(const std::vector<Vec3>& points, const ReconstructionOptions&
     drop_faces(result.mesh, matching.opening_faces);
     std::vector<Index>& remaining = result.intersection_repair.remaining_faces;
     remaining = indices_after_drop(remaining, matching.opening_faces);
-    log.add(Stage::edge_optimisation, matching.mesh.vertex_count(), [&] { return result.mesh; });
+    log.add(Stage::edge_optimisation, matching.mesh.vertex_count());
+    if (options.keep_stages)
+      result.mesh = with_qualities(
+          std::move(result.mesh),
+          indices_after_drop(matching.spanning_faces, matching.opening_faces));
   }
 
   progress.begin(Stage::report);

@@ -30,7 +30,10 @@ struct ReconstructionOptions {
   HostScalar host_scalar = HostScalar::single_precision;
   bool stop_at_parametric_surface =
       false;                 ///< for noisy clouds: a smooth closed surface near the samples
-  bool keep_stages = false;  ///< return the mesh of every stage too
+  /// Return the mesh of every stage too, the box before them if it is the start; the complete
+  /// matching and the result then carry qualities: the distance of each vertex from the parametric
+  /// surface (input length), the longest edge of each face that spans an opening (x spacing).
+  bool keep_stages = false;
   std::uint64_t memory_limit =
       0;            ///< bytes; 0: what the machine has available. More is refused beforehand
   int threads = 0;  ///< 0: as many as the machine has; the result does not depend on it
@@ -49,7 +52,7 @@ struct StageRecord {
 
 struct Reconstruction {
   ResultMesh mesh;                  ///< vertex i is the i-th distinct sample in the caller's order
-  std::vector<StageRecord> stages;  ///< the rows of table 1
+  std::vector<StageRecord> stages;  ///< the rows of table 1, in order
   ConditioningReport conditioning;
   OrientationReport orientation;
   InitialMeshReport initial_mesh;

@@ -17,6 +17,8 @@ struct ResultMesh {
   std::vector<Index>
       input_index;  ///< of each vertex in the caller's points; kNone if it is no sample
   std::vector<Triangle> triangles;
+  std::vector<float> vertex_quality;  ///< empty, or what to colour the vertices by
+  std::vector<float> face_quality;    ///< empty, or what to colour the faces by
 };
 
 /// An intermediate mesh (initial, control, parametric) in the frame of the input; no vertex is a

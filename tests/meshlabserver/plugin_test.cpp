@@ -209,6 +209,65 @@ TEST(Plugin, KeptStagesBecomeLayersAndTheResultIsCurrent) {
   EXPECT_EQ(document.mm()->label().toStdString(), "ball shrink wrap");
 }
 
+TEST(Plugin, KeptStagesOfThePaperBeginWithTheBox) {
+  MeshDocument document;
+  add_cloud(document, ShapeKind::sphere, 1000, "ball.ply");
+  RichParameterList list = parameters_for(Filter::reconstruct, document);
+  list.setValue("KeepStages", BoolValue(true));
+#if SHRINKWRAP_MESHLAB_GENERATION == 2020
+  list.setValue("Method", EnumValue(1));
+#else
+  list.setValue("Method", IntValue(1));
+#endif
+  ASSERT_EQ(apply(Filter::reconstruct, document, list), "");
+  const auto layers = layers_of(document);
+  ASSERT_EQ(layers.size(), 7u);
+  EXPECT_EQ(layers[1]->label().toStdString(), "ball bounding box");
+  EXPECT_EQ(layers[1]->cm.vn, 8);
+  EXPECT_EQ(layers[1]->cm.fn, 12);
+}
+
+// The highest quality among the vertices or faces of a layer.
+template <class Elements>
+double highest_quality(const Elements& elements) {
+  double highest = -INFINITY;
+  for (const auto& element : elements) highest = std::max<double>(highest, element.cQ());
+  return highest;
+}
+
+TEST(Plugin, KeptStagesShowDistanceAndSpanningLength) {
+  MeshDocument document;
+  add_cloud(document, ShapeKind::hemisphere, 3000);
+  RichParameterList list = parameters_for(Filter::reconstruct, document);
+  list.setValue("KeepStages", BoolValue(true));
+  ASSERT_EQ(apply(Filter::reconstruct, document, list), "");
+  const auto layers = layers_of(document);
+  const double spacing = 2.0 * std::sqrt(3.14159 / 3000);
+  for (const MeshModel* layer : {layers[layers.size() - 2], layers.back()}) {
+    ASSERT_TRUE(layer->hasDataMask(MeshModel::MM_VERTQUALITY));
+    ASSERT_TRUE(layer->hasDataMask(MeshModel::MM_FACEQUALITY));
+    EXPECT_GT(highest_quality(layer->cm.vert), 0.0);
+    EXPECT_LT(highest_quality(layer->cm.vert), 3 * spacing);
+    int spanning = 0;
+    for (const auto& face : layer->cm.face) spanning += face.cQ() > 0;
+    EXPECT_GT(spanning, 0);
+    EXPECT_LT(spanning, layer->cm.fn / 2) << "only the opening is spanned";
+    EXPECT_GT(highest_quality(layer->cm.face), 2.0) << "a spanned opening is wider than samples";
+  }
+}
+
+TEST(Plugin, QualityOfTheSamplesIsTheirsToKeep) {
+  MeshDocument document;
+  MeshModel* cloud = add_cloud(document, ShapeKind::sphere, 1000);
+  cloud->updateDataMask(MeshModel::MM_VERTQUALITY);
+  for (int i = 0; i < cloud->cm.vn; ++i) cloud->cm.vert[i].Q() = 5.0f + i;
+  RichParameterList list = parameters_for(Filter::reconstruct, document);
+  list.setValue("KeepStages", BoolValue(true));
+  ASSERT_EQ(apply(Filter::reconstruct, document, list), "");
+  for (int i = 0; i < cloud->cm.vn; ++i)
+    EXPECT_EQ(document.mm()->cm.vert[i].Q(), cloud->cm.vert[i].Q());
+}
+
 TEST(Plugin, DialogsOfTwoLayersProposeCloudAndMesh) {
   MeshDocument document;
   MeshModel* cloud = add_cloud(document, ShapeKind::sphere, 1000);
