@@ -107,14 +107,14 @@ Parameter openings() {
 }
 
 Parameter threads() {
-  return advanced(number(Kind::integer, kThreads, "Threads", 0, 0, 1024,
+  return advanced(number(Kind::integer, kThreads, "Threads (0: all)", 0, 0, 1024,
                          "Number of threads; 0: as many as the machine has. The result is the same "
                          "for any number: fewer "
                          "only leave more of the machine to other work. Range 0 to 1024."));
 }
 
 Parameter neighbours() {
-  return advanced(number(Kind::integer, kNeighbours, "Neighbours", 16, 6, 64,
+  return advanced(number(Kind::integer, kNeighbours, "Neighbours (samples)", 16, 6, 64,
                          "Nearest samples from which spacing and normal of a sample are taken. "
                          "Raised: steadier on noisy "
                          "clouds, blurs thin walls and sharp edges. Lowered: finer detail, less "
@@ -135,30 +135,35 @@ Parameter count_intersections() {
                           "Off: a little faster."));
 }
 
-// --- advanced parameters of one stage each; the one-shot filter has them all ---
+// --- advanced parameters of one stage each ---
 
-std::vector<Parameter> initial_mesh_parameters() {
+std::vector<Parameter> solid_parameters() {
   return {
       neighbours(),
-      advanced(number(Kind::real, kVoxelSize, "Voxel size", 1.75, 0.75, 4.0,
+      advanced(number(Kind::real, kVoxelSize, "Voxel size (spacings)", 1.75, 0.75, 4.0,
                       "Robust method: edge of the voxels of the first solid. Lowered (1.0): parts "
                       "that come close to each "
                       "other are kept apart, at the price of false holes in sparse places. Raised "
                       "(2 to 3): closes gaps of "
                       "uneven clouds, may glue close parts together. Unit: median sample spacing; "
                       "range 0.75 to 4.")),
-      advanced(number(Kind::real, kLevel, "Inside level", 0.4, 0.05, 0.95,
+      advanced(number(Kind::real, kLevel, "Inside level (0 to 1)", 0.4, 0.05, 0.95,
                       "Robust method: what counts as inside, 0 far outside to 1 deep inside. "
                       "Lowered (0.3): openings are "
                       "spanned farther out, good for half scans. Raised (0.5): tighter, may tear "
                       "false handles. No unit; "
                       "range 0.05 to 0.95.")),
-      advanced(number(Kind::integer, kMinComponent, "Smallest body", 30, 4, kMostElements,
+      advanced(number(Kind::integer, kMinComponent, "Smallest body (samples)", 30, 4, kMostElements,
                       "Robust method: bodies and cavities supported by fewer samples than this get "
                       "no surface of their own. "
                       "Raised: clumps of stray points do not become bodies. Lowered: small real "
                       "parts are kept. Unit: "
                       "samples; range 4 and up.")),
+  };
+}
+
+std::vector<Parameter> shrink_parameters() {
+  return {
       advanced(number(Kind::integer, kShrinkIterations, "Shrink iterations", 4, 0, 200,
                       "Robust method: steps in which the first mesh moves onto the samples. "
                       "Raised: closer and smoother, "
@@ -189,26 +194,26 @@ Parameter control_vertices() {
       "matching. Unit: vertices; 0, or 4 and up."));
 }
 
-std::vector<Parameter> parametric_surface_parameters() {
-  return {
-      advanced(number(
-          Kind::integer, kFitIterations, "Fitting iterations", 5, 0, 200,
-          "Steps in which the surface moves onto the samples after each subdivision (half as "
-          "many after the last). "
-          "Raised: closer, slower; "
-          "4 to 8 are useful. Lowered: smoother. Range 0 to 200.")),
-      advanced(number(Kind::real, kAttraction, "Attraction", 0.0, 0.0, 1.0,
-                      "Lambda of eq. 14: the part of the way to the samples that a vertex goes in "
-                      "one step; 0: what the "
-                      "method has (Robust 0.7, As in the paper 0.85). Raised: closer and faster, "
-                      "less even. Range 0 to 1.")),
-  };
+Parameter fit_iterations() {
+  return advanced(number(Kind::integer, kFitIterations, "Fitting iterations", 5, 0, 200,
+                         "Steps in which the surface moves onto the samples after each "
+                         "subdivision (half as many after the last). Raised: closer, slower; 4 to "
+                         "8 are useful. Lowered: smoother. Range 0 to 200."));
+}
+
+Parameter attraction() {
+  return advanced(number(Kind::real, kAttraction, "Attraction", 0.0, 0.0, 1.0,
+                         "Lambda of eq. 14: the part of the way to the samples that a vertex goes "
+                         "in one step; 0: what the method has (Robust 0.7, As in the paper 0.85). "
+                         "Raised: closer and faster, less even. Range 0 to 1."));
 }
 
 void append(std::vector<Parameter>& list, const std::vector<Parameter>& more) {
   list.insert(list.end(), more.begin(), more.end());
 }
 
+// Few enough that the dialog of 2020.09, which shows all of them, fits a laptop's screen: what only
+// somebody who studies one stage would change is a parameter of that stage's filter.
 std::vector<Parameter> reconstruct_parameters() {
   std::vector<Parameter> list = {
       method(),
@@ -227,9 +232,8 @@ std::vector<Parameter> reconstruct_parameters() {
                        "faces that span an opening their longest edge in sample spacings: see "
                        "them with \"Colorize by vertex Quality\". Takes about twice the memory.")),
   };
-  append(list, initial_mesh_parameters());
-  list.push_back(control_vertices());
-  append(list, parametric_surface_parameters());
+  append(list, solid_parameters());
+  list.push_back(fit_iterations());
   list.push_back(repair_intersections());
   list.push_back(count_intersections());
   return list;
@@ -308,7 +312,8 @@ std::vector<Parameter> parameters_of(Filter filter) {
       break;
     case Filter::initial_mesh:
       list = {samples_layer(), selected_only(), method()};
-      append(list, initial_mesh_parameters());
+      append(list, solid_parameters());
+      append(list, shrink_parameters());
       break;
     case Filter::control_mesh:
       list = {samples_layer(),
@@ -319,7 +324,8 @@ std::vector<Parameter> parameters_of(Filter filter) {
       list = {samples_layer(),
               mesh_layer("The control mesh: a closed 2-manifold. It is not changed."),
               selected_only(), method(), neighbours()};
-      append(list, parametric_surface_parameters());
+      list.push_back(fit_iterations());
+      list.push_back(attraction());
       break;
     case Filter::complete_matching:
       list = {samples_layer(),

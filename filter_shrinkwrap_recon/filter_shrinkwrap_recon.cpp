@@ -51,17 +51,15 @@ QString help_of(Filter filter) {
   switch (filter) {
     case Filter::reconstruct:
       return "Makes a <b>watertight 2-manifold mesh whose vertices are exactly the points</b> of "
-             "the current layer: every "
-             "point is one vertex, at its own coordinates. <b>No normals are needed</b>; colours, "
-             "qualities, radii and "
-             "custom attributes of the points are kept. The mesh is a new layer.<br>Use it for raw "
-             "scans of solid objects "
-             "when every measured point counts: reverse engineering, duplication of parts. If the "
-             "points are noisy, "
-             "stop at the parametric surface: a smooth closed surface near the points." +
-             reference("(all sections)", (std::string(kShrinkWrapping) + kWindingNumbers +
-                                          kQuadrics + kFitting + kRetiling)
-                                             .c_str());
+             "the current layer: every point is one vertex, at its own coordinates. <b>No normals "
+             "are needed</b>; colours, qualities, radii and custom attributes of the points are "
+             "kept. The mesh is a new layer; to undo, delete it.<br>"
+             "Use it for raw scans of solid objects when every measured point counts: reverse "
+             "engineering, duplication of parts. If the points are noisy, stop at the parametric "
+             "surface: a smooth closed surface near the points.<br>"
+             "Most people need <b>none but the first four parameters</b>. The filters \"Shrink "
+             "Wrap: ...\" are its single stages, with further parameters and references." +
+             reference("(all sections)");
     case Filter::initial_mesh:
       return "First stage: a <b>closed 2-manifold mesh around the samples</b>, shrunk towards "
              "them. A new layer.<br>Use "

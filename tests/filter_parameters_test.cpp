@@ -97,8 +97,6 @@ TEST(FilterParameters, ValuesReachTheirOption) {
   values["SelectedOnly"] = 1;
   values["KeepStages"] = 1;
   values["VoxelSize"] = 1.1;
-  values["Attraction"] = 0.5;
-  values["ControlVertices"] = 500;
   values["Threads"] = 2;
   const FilterRequest request = request_of(Filter::reconstruct, values);
   EXPECT_TRUE(request.selected_only);
@@ -107,9 +105,21 @@ TEST(FilterParameters, ValuesReachTheirOption) {
             CompleteMatchingOptions::Openings::leave_open);
   EXPECT_TRUE(request.options.keep_stages);
   EXPECT_EQ(request.options.initial_mesh.voxel_size, 1.1);
-  EXPECT_EQ(request.options.parametric_surface.attraction, 0.5);
-  EXPECT_EQ(request.options.control_mesh.target_vertices, 500);
   EXPECT_EQ(request.options.threads, 2);
+
+  ParameterValues of_surface = default_values(Filter::parametric_surface);
+  of_surface["Attraction"] = 0.5;
+  EXPECT_EQ(
+      request_of(Filter::parametric_surface, of_surface).options.parametric_surface.attraction,
+      0.5);
+  ParameterValues of_control = default_values(Filter::control_mesh);
+  of_control["ControlVertices"] = 500;
+  EXPECT_EQ(request_of(Filter::control_mesh, of_control).options.control_mesh.target_vertices, 500);
+}
+
+// The host of 2020.09 folds nothing away: a row is some 31 pixels.
+TEST(FilterParameters, DialogsFitAScreen) {
+  for (const Filter filter : all_filters()) EXPECT_LE(parameters_of(filter).size(), 14u);
 }
 
 // Every parameter of every filter, out of range on either side, no number, and missing.
@@ -143,9 +153,9 @@ TEST(FilterParameters, RefusesFractionsOfCountsAndTooFewControlVertices) {
   ParameterValues values = default_values(Filter::reconstruct);
   values["Neighbours"] = 16.5;
   EXPECT_THROW(request_of(Filter::reconstruct, values), InvalidInput);
-  values = default_values(Filter::reconstruct);
+  values = default_values(Filter::control_mesh);
   values["ControlVertices"] = 3;
-  EXPECT_THROW(request_of(Filter::reconstruct, values), InvalidInput);
+  EXPECT_THROW(request_of(Filter::control_mesh, values), InvalidInput);
 }
 
 }  // namespace
