@@ -124,26 +124,19 @@ void warn_of(const RepairReport& report, std::vector<std::string>& warnings) {
 
 // --- the samples of a stage that runs on its own ---
 
-struct PreparedSamples {
-  PointCloud cloud;
-  VoxelSearch search;
-};
-
-PreparedSamples prepare(const FilterInput& input, const ReconstructionOptions& options,
-                        Progress& progress, FilterOutcome& outcome) {
-  PreparedSamples samples;
-  samples.cloud = prepare_samples(input.points, options.samples, progress);
-  samples.search = VoxelSearch(samples.cloud.position);
-  outcome.log.push_back(conditioning_line(
-      samples.cloud.conditioning, samples.cloud.frame.to_input_length(samples.cloud.spacing)));
-  return samples;
+PointCloud prepare(const FilterInput& input, const ReconstructionOptions& options,
+                   Progress& progress, FilterOutcome& outcome) {
+  PointCloud cloud = prepare_samples(input.points, options.samples, progress);
+  outcome.log.push_back(
+      conditioning_line(cloud.conditioning, cloud.frame.to_input_length(cloud.spacing)));
+  return cloud;
 }
 
-PreparedSamples prepare_oriented(const FilterInput& input, const ReconstructionOptions& options,
+PointCloud prepare_oriented(const FilterInput& input, const ReconstructionOptions& options,
                                  Progress& progress, FilterOutcome& outcome) {
-  PreparedSamples samples = prepare(input, options, progress, outcome);
-  warn_of(orient_normals(samples.cloud, options.orientation, progress), outcome.warnings);
-  return samples;
+  PointCloud cloud = prepare(input, options, progress, outcome);
+  warn_of(orient_normals(cloud, options.orientation, progress), outcome.warnings);
+  return cloud;
 }
 
 // --- filters ---
@@ -189,12 +182,12 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
 FilterOutcome run_initial_mesh(const FilterRequest& request, const FilterInput& input,
                                Progress& progress) {
   FilterOutcome outcome;
-  const PreparedSamples samples = prepare_oriented(input, request.options, progress, outcome);
+  const PointCloud cloud = prepare_oriented(input, request.options, progress, outcome);
   const InitialMesh initial =
-      make_initial_mesh(samples.cloud, samples.search, request.options.initial_mesh, progress);
+      make_initial_mesh(cloud, cloud.search, request.options.initial_mesh, progress);
   warn_of(initial.report, outcome.warnings);
   outcome.log.push_back(surface_verdict("initial mesh", initial.mesh));
-  outcome.mesh = to_result(initial.mesh, samples.cloud.frame);
+  outcome.mesh = to_result(initial.mesh, cloud.frame);
   outcome.layer_suffix = "initial mesh";
   return outcome;
 }
@@ -202,13 +195,12 @@ FilterOutcome run_initial_mesh(const FilterRequest& request, const FilterInput& 
 FilterOutcome run_control_mesh(const FilterRequest& request, const FilterInput& input,
                                Progress& progress) {
   FilterOutcome outcome;
-  const PreparedSamples samples = prepare(input, request.options, progress, outcome);
-  const ControlMesh control =
-      make_control_mesh(to_surface(input.mesh, samples.cloud.frame), samples.cloud.size(),
-                        request.options.control_mesh, progress);
+  const PointCloud cloud = prepare(input, request.options, progress, outcome);
+  const ControlMesh control = make_control_mesh(to_surface(input.mesh, cloud.frame), cloud.size(),
+                                                request.options.control_mesh, progress);
   outcome.log.push_back("target " + count_of(control.report.target_vertices, "vertex", "vertices"));
   outcome.log.push_back(surface_verdict("control mesh", control.mesh));
-  outcome.mesh = to_result(control.mesh, samples.cloud.frame);
+  outcome.mesh = to_result(control.mesh, cloud.frame);
   outcome.layer_suffix = "control mesh";
   return outcome;
 }
@@ -216,15 +208,15 @@ FilterOutcome run_control_mesh(const FilterRequest& request, const FilterInput& 
 FilterOutcome run_parametric_surface(const FilterRequest& request, const FilterInput& input,
                                      Progress& progress) {
   FilterOutcome outcome;
-  const PreparedSamples samples = prepare_oriented(input, request.options, progress, outcome);
+  const PointCloud cloud = prepare_oriented(input, request.options, progress, outcome);
   const ParametricSurface surface =
-      make_parametric_surface(to_surface(input.mesh, samples.cloud.frame), samples.cloud,
-                              samples.search, request.options.parametric_surface, progress);
+      make_parametric_surface(to_surface(input.mesh, cloud.frame), cloud, cloud.search,
+                              request.options.parametric_surface, progress);
   outcome.log.push_back("distance of the vertices from the samples' surface: mean " +
                         formatted("%.3f", surface.report.mean_distance) + ", greatest " +
                         formatted("%.3f", surface.report.max_distance) + " spacings");
   outcome.log.push_back(surface_verdict("parametric surface", surface.mesh));
-  outcome.mesh = to_result(surface.mesh, samples.cloud.frame);
+  outcome.mesh = to_result(surface.mesh, cloud.frame);
   outcome.layer_suffix = "parametric surface";
   return outcome;
 }
@@ -232,22 +224,21 @@ FilterOutcome run_parametric_surface(const FilterRequest& request, const FilterI
 FilterOutcome run_complete_matching(const FilterRequest& request, const FilterInput& input,
                                     Progress& progress) {
   FilterOutcome outcome;
-  const PreparedSamples samples = prepare_oriented(input, request.options, progress, outcome);
-  const SurfaceMesh surface = to_surface(input.mesh, samples.cloud.frame);
-  CompleteMatching matching = match_samples(surface, samples.cloud, samples.search,
-                                            request.options.complete_matching, progress);
+  const PointCloud cloud = prepare_oriented(input, request.options, progress, outcome);
+  const SurfaceMesh surface = to_surface(input.mesh, cloud.frame);
+  CompleteMatching matching =
+      match_samples(surface, cloud, cloud.search, request.options.complete_matching, progress);
   warn_of(matching.report, outcome.warnings);
   outcome.log.push_back("distance of the samples from the parametric surface: mean " +
                         formatted("%.3f", matching.report.mean_foot_distance) + ", greatest " +
                         formatted("%.3f", matching.report.max_foot_distance) + " spacings; " +
                         count_of(matching.report.membranes, "opening"));
   outcome.log.push_back(surface_verdict("complete matching", matching.mesh));
-  outcome.mesh = to_result(matching, samples.cloud, input.points);
+  outcome.mesh = to_result(matching, cloud, input.points);
   outcome.mesh.vertex_quality =
-      distances_from_surface(outcome.mesh, surface, samples.cloud.frame, progress);
-  outcome.mesh.face_quality =
-      spanning_lengths(outcome.mesh, matching.spanning_faces,
-                       samples.cloud.frame.to_input_length(samples.cloud.spacing));
+      distances_from_surface(outcome.mesh, surface, cloud.frame, progress);
+  outcome.mesh.face_quality = spanning_lengths(outcome.mesh, matching.spanning_faces,
+                                               cloud.frame.to_input_length(cloud.spacing));
   outcome.marked_faces = std::move(matching.spanning_faces);
   outcome.layer_suffix = "complete matching";
   return outcome;
@@ -308,7 +299,7 @@ CompleteMatching matching_of(const FilterInput& input, const PointCloud& cloud) 
 FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterInput& input,
                                     Progress& progress) {
   FilterOutcome outcome;
-  const PointCloud cloud = prepare(input, request.options, progress, outcome).cloud;
+  const PointCloud cloud = prepare(input, request.options, progress, outcome);
   CompleteMatching matching = matching_of(input, cloud);
   const EdgeOptimisationReport report = optimise_edges(
       matching.mesh, request.options.edge_optimisation, progress, input.marked_faces);

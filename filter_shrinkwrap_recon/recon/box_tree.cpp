@@ -6,6 +6,7 @@
 
 #include "morton.h"
 #include "parallel.h"
+#include "radix_sort.h"
 
 namespace shrinkwrap {
 namespace {
@@ -24,19 +25,6 @@ bool is_usable(const std::vector<Vec3>& positions, const Triangle& t) {
   for (Index v : t)
     if (v < 0 || v >= vertices || !positions[v].allFinite()) return false;
   return true;
-}
-
-// Stable: faces of one cell keep their order.
-void sort_along_curve(std::vector<KeyedFace>& faces, Progress& progress) {
-  std::vector<KeyedFace> scratch(faces.size());
-  for (int shift = 32; shift < 32 + 3 * kCellBits; shift += kCellBits) {
-    std::vector<std::size_t> cursor(kDigits + 1, 0);
-    for (KeyedFace face : faces) ++cursor[((face >> shift) & (kDigits - 1)) + 1];
-    for (int digit = 0; digit < kDigits; ++digit) cursor[digit + 1] += cursor[digit];
-    for (KeyedFace face : faces) scratch[cursor[(face >> shift) & (kDigits - 1)]++] = face;
-    faces.swap(scratch);
-    progress.update(0.0);
-  }
 }
 
 }  // namespace
@@ -98,7 +86,7 @@ BoxTree::BoxTree(const std::vector<Vec3>& positions, const std::vector<Triangle>
     keyed[f] = morton_key(cell[0], cell[1], cell[2]) << 32 | static_cast<std::uint32_t>(f);
   });
   keyed.erase(std::remove(keyed.begin(), keyed.end(), kUnusable), keyed.end());
-  sort_along_curve(keyed, progress);
+  radix_sort(keyed, 32, 3 * kCellBits, progress, [](KeyedFace face) { return face; });
   order_.resize(keyed.size());
   for (std::size_t i = 0; i < keyed.size(); ++i)
     order_[i] = static_cast<Index>(keyed[i] & 0xffffffffu);

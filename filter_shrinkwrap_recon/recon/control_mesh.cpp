@@ -86,15 +86,19 @@ class Contraction {
 
   void contract_in_order() {
     std::vector<Index> version(mesh_.position.size(), 0);
-    std::vector<Candidate> heap;
     const auto candidate = [&](Index h) {
       Vec3 p;
       const double cost = contraction_cost(h, p);
       const Index a = mesh_.origin(h), b = mesh_.target(h);
       return Candidate{static_cast<float>(cost), a, b, version[a] + version[b]};
     };
-    for (Index h = 0; h < mesh_.halfedge_slots(); ++h)
-      if (mesh_.origin(h) != kNone && h < mesh_.twin(h)) heap.push_back(candidate(h));
+    std::vector<Candidate> heap =
+        parallel_collect<Candidate>(mesh_.halfedge_slots(), kGrain, progress_,
+                                    [&](Index begin, Index end, std::vector<Candidate>& some) {
+                                      for (Index h = begin; h < end; ++h)
+                                        if (mesh_.origin(h) != kNone && h < mesh_.twin(h))
+                                          some.push_back(candidate(h));
+                                    });
     std::make_heap(heap.begin(), heap.end(), is_dearer);
     Index steps = 0;
     const Index begin = mesh_.vertex_count();

@@ -5,9 +5,11 @@
 #include <cstdio>
 #include <numeric>
 
+#include "buckets.h"
 #include "coordinate_matches.h"
 #include "parallel.h"
 #include "self_intersection.h"
+#include "shared_sets.h"
 
 namespace shrinkwrap {
 namespace {
@@ -81,28 +83,9 @@ UsedMesh find_used(const std::vector<Vec3>& positions, const std::vector<Triangl
 }
 
 // The corners (3 face + place in the face) at each vertex.
-struct Incidence {
-  std::vector<Index> begin;  // of each vertex in `corner`, and the end
-  std::vector<Index> corner;
-};
-
-Incidence find_incidence(Index vertices, const std::vector<Triangle>& triangles,
-                         Progress& progress) {
-  Incidence incidence;
-  incidence.begin.assign(static_cast<std::size_t>(vertices) + 1, 0);
-  const Index faces = static_cast<Index>(triangles.size());
-  for (Index f = 0; f < faces; ++f) {
-    if (f % kUpdateInterval == 0) progress.update(0.5 * f / faces);
-    for (Index v : triangles[f]) ++incidence.begin[v + 1];
-  }
-  std::partial_sum(incidence.begin.begin(), incidence.begin.end(), incidence.begin.begin());
-  incidence.corner.resize(incidence.begin.back());
-  std::vector<Index> cursor(incidence.begin.begin(), incidence.begin.end() - 1);
-  for (Index f = 0; f < faces; ++f) {
-    if (f % kUpdateInterval == 0) progress.update(0.5 + 0.5 * f / faces);
-    for (Index i = 0; i < 3; ++i) incidence.corner[cursor[triangles[f][i]]++] = 3 * f + i;
-  }
-  return incidence;
+Buckets find_incidence(Index vertices, const std::vector<Triangle>& triangles, Progress& progress) {
+  return sort_into_buckets(3 * static_cast<Index>(triangles.size()), vertices, progress,
+                           [&](Index corner) { return triangles[corner / 3][corner % 3]; });
 }
 
 struct BorderEdge {
@@ -127,7 +110,7 @@ struct EdgeCounts {
 // Looks at the faces around one vertex after the other.
 class StarWalker {
  public:
-  StarWalker(const std::vector<Triangle>& triangles, const Incidence& incidence,
+  StarWalker(const std::vector<Triangle>& triangles, const Buckets& incidence,
              std::vector<Index>& next_face)
       : triangles_(triangles), incidence_(incidence), next_face_(next_face) {}
 
@@ -165,7 +148,7 @@ class StarWalker {
   void gather_spokes(Index first, Index faces) {
     spokes_.clear();
     for (Index place = 0; place < faces; ++place) {
-      const Index corner = incidence_.corner[first + place];
+      const Index corner = incidence_.item[first + place];
       const Index f = SurfaceMesh::face(corner);
       const Index next = SurfaceMesh::next(corner), previous = SurfaceMesh::prev(corner);
       spokes_.push_back({triangles_[f][next - 3 * f], place, corner, true});
@@ -191,13 +174,13 @@ class StarWalker {
   }
 
   const std::vector<Triangle>& triangles_;
-  const Incidence& incidence_;
+  const Buckets& incidence_;
   std::vector<Index>& next_face_;
   std::vector<Spoke> spokes_;
   DisjointSets together_{0};
 };
 
-EdgeCounts count_edges(const std::vector<Triangle>& triangles, const Incidence& incidence,
+EdgeCounts count_edges(const std::vector<Triangle>& triangles, const Buckets& incidence,
                        std::vector<Index>& next_face, Progress& progress) {
   const Index vertices = static_cast<Index>(incidence.begin.size()) - 1;
   std::vector<EdgeCounts> partial(block_count(vertices, kGrain));
@@ -237,16 +220,19 @@ struct Components {
 
 Components find_components(const std::vector<Index>& next_face, Progress& progress) {
   const Index faces = static_cast<Index>(next_face.size() / 3);
-  DisjointSets sets(faces);
+  SharedSets sets(faces, progress);
+  parallel_for_each(static_cast<Index>(next_face.size()), kGrain, progress, [&](Index h) {
+    if (next_face[h] != kNone) sets.unite(h / 3, next_face[h]);
+  });
   Components components;
-  components.count = faces;
-  for (Index f = 0; f < faces; ++f) {
-    if (f % kUpdateInterval == 0) progress.update(static_cast<double>(f) / faces);
-    for (Index h = 3 * f; h < 3 * f + 3; ++h)
-      if (next_face[h] != kNone && sets.unite(f, next_face[h])) --components.count;
-  }
   components.of_face.resize(faces);
-  for (Index f = 0; f < faces; ++f) components.of_face[f] = sets.find(f);
+  parallel_for_each(faces, kGrain, progress,
+                    [&](Index f) { components.of_face[f] = sets.find(f); });
+  components.count = parallel_sum<Index>(faces, kGrain, progress, 0, [&](Index begin, Index end) {
+    Index lowest = 0;
+    for (Index f = begin; f < end; ++f) lowest += components.of_face[f] == f ? 1 : 0;
+    return lowest;
+  });
   return components;
 }
 
@@ -262,17 +248,26 @@ void measure_volume(const std::vector<Vec3>& positions, const std::vector<Triang
                     const Components& components, const std::vector<BorderEdge>& border,
                     MeshReport& report, Progress& progress) {
   const Index faces = static_cast<Index>(triangles.size());
-  std::vector<double> volume(triangles.size(), 0.0);
-  std::vector<char> component_is_open(triangles.size(), 0);
-  for (const BorderEdge& edge : border) component_is_open[components.of_face[edge.face]] = 1;
   const auto finite =
       std::find_if(positions.begin(), positions.end(), [](const Vec3& p) { return p.allFinite(); });
   const Vec3 apex = finite != positions.end() ? *finite : Vec3(Vec3::Zero());
-  for (Index f = 0; f < faces; ++f) {
-    if (f % kUpdateInterval == 0) progress.update(static_cast<double>(f) / faces);
-    const Index component = components.of_face[f];
-    volume[component] += volume_under(positions, triangles[f], apex) / 6.0;
-  }
+  // Block by block; most blocks lie in one component.
+  struct Part {
+    Index component;
+    double volume;
+  };
+  const std::vector<Part> parts = parallel_collect<Part>(
+      faces, kGrain, progress, [&](Index begin, Index end, std::vector<Part>& some) {
+        for (Index f = begin; f < end; ++f) {
+          const Index component = components.of_face[f];
+          if (some.empty() || some.back().component != component) some.push_back({component, 0.0});
+          some.back().volume += volume_under(positions, triangles[f], apex) / 6.0;
+        }
+      });
+  std::vector<double> volume(triangles.size(), 0.0);
+  std::vector<char> component_is_open(triangles.size(), 0);
+  for (const BorderEdge& edge : border) component_is_open[components.of_face[edge.face]] = 1;
+  for (const Part& part : parts) volume[part.component] += part.volume;
   for (Index f = 0; f < faces; ++f) {
     if (components.of_face[f] != f) continue;
     report.volume += volume[f];
@@ -288,7 +283,7 @@ void measure_topology(const UsedMesh& mesh, MeshReport& report, Progress& progre
   report.vertices = static_cast<Index>(mesh.position.size());
   {
     progress.set_range(0.1, 0.15);
-    const Incidence incidence = find_incidence(report.vertices, mesh.triangle, progress);
+    const Buckets incidence = find_incidence(report.vertices, mesh.triangle, progress);
     progress.set_range(0.15, 0.25);
     counts = count_edges(mesh.triangle, incidence, next_face, progress);
   }

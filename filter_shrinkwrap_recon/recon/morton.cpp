@@ -1,11 +1,10 @@
 #include "morton.h"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
-#include <array>
+#include <utility>
 
 #include "parallel.h"
+#include "radix_sort.h"
 
 namespace shrinkwrap {
 namespace {
@@ -16,36 +15,26 @@ struct KeyedIndex {
 };
 
 constexpr Index kGrain = 1 << 14;
-constexpr int kDigitBits = 11;
-constexpr int kDigits = 1 << kDigitBits;
-constexpr int kPasses = 6;  // 6 x 11 bits cover the 63 bits of a key
-
-// One stable pass of a radix sort: per-block histograms, one prefix sum, per-block scatter.
-void radix_pass(const std::vector<KeyedIndex>& from, std::vector<KeyedIndex>& to, int shift,
-                Progress& progress) {
-  const Index count = static_cast<Index>(from.size());
-  const Index grain = std::max<Index>(kGrain, count / 64 + 1);
-  std::vector<std::array<Index, kDigits>> offset(block_count(count, grain));
-  parallel_blocks(count, grain, progress, [&](Index block, Index begin, Index end) {
-    auto& histogram = offset[block];
-    histogram.fill(0);
-    for (Index i = begin; i < end; ++i) ++histogram[(from[i].key >> shift) & (kDigits - 1)];
-  });
-  Index sum = 0;
-  for (int digit = 0; digit < kDigits; ++digit)
-    for (auto& histogram : offset) {
-      const Index in_block = histogram[digit];
-      histogram[digit] = sum;
-      sum += in_block;
-    }
-  parallel_blocks(count, grain, progress, [&](Index block, Index begin, Index end) {
-    auto& cursor = offset[block];
-    for (Index i = begin; i < end; ++i)
-      to[cursor[(from[i].key >> shift) & (kDigits - 1)]++] = from[i];
-  });
-}
+constexpr Index kFewPoints = 4096;  // below, a sort by comparison is faster
+constexpr int kKeyBits = 63;
 
 }  // namespace
+
+double morton_cells_per_length(const Box& box) {
+  return kMortonCells / std::max((box.high - box.low).maxCoeff(), 1e-300);
+}
+
+std::vector<std::uint64_t> morton_keys(const std::vector<Vec3>& points, const Box& box,
+                                       Progress& progress) {
+  const double cells_per_length = morton_cells_per_length(box);
+  std::vector<std::uint64_t> keys(points.size());
+  parallel_for_each(static_cast<Index>(points.size()), kGrain, progress, [&](Index i) {
+    const Vec3 cell = (points[i] - box.low) * cells_per_length;
+    keys[i] = morton_key(static_cast<std::uint32_t>(cell.x()), static_cast<std::uint32_t>(cell.y()),
+                         static_cast<std::uint32_t>(cell.z()));
+  });
+  return keys;
+}
 
 std::vector<Index> morton_order(const std::vector<Vec3>& points) {
   Progress silent;
@@ -55,48 +44,43 @@ std::vector<Index> morton_order(const std::vector<Vec3>& points) {
 std::vector<Index> morton_order(const std::vector<Vec3>& points, Progress& progress) {
   const Index count = static_cast<Index>(points.size());
   if (count == 0) return {};
-  Vec3 low = points[0], high = points[0];
-  for (const Vec3& p : points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
+  std::vector<KeyedIndex> keys(points.size());
+  {
+    const std::vector<std::uint64_t> key = morton_keys(points, bounding_box(points), progress);
+    parallel_for_each(count, kGrain, progress, [&](Index i) { keys[i] = {key[i], i}; });
   }
-  const double extent = std::max((high - low).maxCoeff(), 1e-300);
-  const double cells = 2097151.0 / extent;
-
-  std::vector<KeyedIndex> keys(points.size()), scratch(points.size());
-  parallel_for_each(count, kGrain, progress, [&](Index i) {
-    const Vec3 cell = (points[i] - low) * cells;
-    keys[i] = {
-        morton_key(static_cast<std::uint32_t>(cell.x()), static_cast<std::uint32_t>(cell.y()),
-                   static_cast<std::uint32_t>(cell.z())),
-        i};
-  });
-  if (count < 4096) {
+  if (count < kFewPoints) {
     std::stable_sort(keys.begin(), keys.end(),
                      [](const KeyedIndex& a, const KeyedIndex& b) { return a.key < b.key; });
   } else {
-    for (int pass = 0; pass < kPasses; ++pass) {
-      radix_pass(keys, scratch, pass * kDigitBits, progress);
-      keys.swap(scratch);
-    }
+    radix_sort(keys, 0, kKeyBits, progress, [](const KeyedIndex& item) { return item.key; });
   }
-  // Points of one cell: by coordinates, then by index, so that equal points become neighbours.
-  for (Index begin = 0; begin < count;) {
-    Index end = begin + 1;
-    while (end < count && keys[end].key == keys[begin].key) ++end;
-    if (end - begin > 1)
-      std::sort(keys.begin() + begin, keys.begin() + end,
-                [&](const KeyedIndex& a, const KeyedIndex& b) {
-                  const Vec3 &p = points[a.index], &q = points[b.index];
-                  for (int axis = 0; axis < 3; ++axis)
-                    if (p[axis] != q[axis]) return p[axis] < q[axis];
-                  return a.index < b.index;
-                });
-    begin = end;
-  }
-  progress.update(1.0);
+  // Points of one cell: by coordinates, then by index, so that equal points become neighbours. A
+  // cell belongs to the block in which it begins.
+  const auto before = [&](const KeyedIndex& a, const KeyedIndex& b) {
+    const Vec3 &p = points[a.index], &q = points[b.index];
+    for (int axis = 0; axis < 3; ++axis)
+      if (p[axis] != q[axis]) return p[axis] < q[axis];
+    return a.index < b.index;
+  };
   std::vector<Index> order(points.size());
-  for (Index i = 0; i < count; ++i) order[i] = keys[i].index;
+  const std::vector<std::pair<Index, Index>> shared_cells =
+      parallel_collect<std::pair<Index, Index>>(
+          count, kGrain, progress, [&](Index first, Index last, auto& cells) {
+            for (Index begin = first; begin < last;) {
+              const bool begins_here = begin == 0 || keys[begin].key != keys[begin - 1].key;
+              const Index limit = begins_here ? count : last;
+              Index end = begin + 1;
+              while (end < limit && keys[end].key == keys[begin].key) ++end;
+              if (end - begin > 1 && begins_here) cells.emplace_back(begin, end);
+              begin = end;
+            }
+          });
+  parallel_for_each(static_cast<Index>(shared_cells.size()), 64, progress, [&](Index cell) {
+    const auto [begin, end] = shared_cells[cell];
+    std::sort(keys.begin() + begin, keys.begin() + end, before);
+  });
+  parallel_for_each(count, kGrain, progress, [&](Index i) { order[i] = keys[i].index; });
   return order;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "bounding_box.h"
 #include "progress.h"
 #include "types.h"
 
@@ -35,6 +36,15 @@ inline std::array<std::uint32_t, 3> morton_coordinates(std::uint64_t key) {
   };
   return {gather(key), gather(key >> 1), gather(key >> 2)};
 }
+
+/// Highest coordinate of a cell: keys have 21 bits an axis.
+constexpr double kMortonCells = 2097151.0;
+/// Cells to a unit of length, of the cubic cells over the bounding cube of a box.
+double morton_cells_per_length(const Box& box);
+/// The keys of points by the cells over the bounding cube of `box`. Pre: finite points within it.
+/// O(N), parallel.
+std::vector<std::uint64_t> morton_keys(const std::vector<Vec3>& points, const Box& box,
+                                       Progress& progress);
 
 /// The order of points along a Morton curve of 2^21 cells per axis over their bounding cube; points
 /// of one cell by coordinates (x, y, z), equal points by index. Pre: finite points. O(n), parallel

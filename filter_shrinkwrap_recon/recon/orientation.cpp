@@ -144,13 +144,15 @@ OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& op
   OrientationReport report;
   progress.set_range(0.0, 0.5);
   const SpanningForest forest = span_normals(cloud, options.propagation_neighbours, progress);
-  for (Index i = 0; i < cloud.size(); ++i)
+  parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
     if (forest.flipped[i]) cloud.normal[i] = -cloud.normal[i];
+  });
 
   progress.set_range(0.5, 0.85);
   const std::vector<char> flip = ComponentSigns(cloud, forest, options, progress).decide(report);
-  for (Index i = 0; i < cloud.size(); ++i)
+  parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
     if (flip[forest.component_of_sample[i]]) cloud.normal[i] = -cloud.normal[i];
+  });
 
   progress.set_range(0.85, 1.0);
   cloud.plane.resize(cloud.position.size());

@@ -74,4 +74,27 @@ std::vector<Value> parallel_collect(Index count, Index grain, Progress& progress
   return result;
 }
 
+/// Numbers, ascending from 0, the indices of [0, count) for which `is_numbered(i)` holds; kNone for
+/// the others. Returns how many have a number. `is_numbered` is asked twice.
+template <class Predicate>
+Index parallel_number(Index count, Index grain, Progress& progress, const Predicate& is_numbered,
+                      std::vector<Index>& number) {
+  number.resize(static_cast<std::size_t>(count));
+  std::vector<Index> first(static_cast<std::size_t>(block_count(count, grain)));
+  parallel_blocks(count, grain, progress, [&](Index block, Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) first[block] += is_numbered(i) ? 1 : 0;
+  });
+  Index sum = 0;
+  for (Index& in_block : first) {
+    const Index before = sum;
+    sum += in_block;
+    in_block = before;
+  }
+  parallel_blocks(count, grain, progress, [&](Index block, Index begin, Index end) {
+    Index next = first[block];
+    for (Index i = begin; i < end; ++i) number[i] = is_numbered(i) ? next++ : kNone;
+  });
+  return sum;
+}
+
 }  // namespace shrinkwrap

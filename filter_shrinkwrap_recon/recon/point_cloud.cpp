@@ -7,39 +7,16 @@
 #include <cstring>
 #include <limits>
 
+#include "bounding_box.h"
 #include "morton.h"
 #include "neighbourhoods.h"
 #include "parallel.h"
-#include "voxel_search.h"
 
 namespace shrinkwrap {
 namespace {
 
 constexpr Index kGrain = 1 << 14;
 constexpr double kPi = 3.14159265358979323846;
-
-struct Box {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
-  Box& operator+=(const Box& other) {
-    low = low.cwiseMin(other.low);
-    high = high.cwiseMax(other.high);
-    return *this;
-  }
-};
-
-Box bounding_box(const std::vector<Vec3>& points) {
-  Progress silent;
-  return parallel_sum<Box>(static_cast<Index>(points.size()), kGrain, silent, Box(),
-                           [&](Index begin, Index end) {
-                             Box box;
-                             for (Index i = begin; i < end; ++i) {
-                               box.low = box.low.cwiseMin(points[i]);
-                               box.high = box.high.cwiseMax(points[i]);
-                             }
-                             return box;
-                           });
-}
 
 // Positions in the input of the finite points.
 std::vector<Index> finite_points(const std::vector<Vec3>& points, Progress& progress) {
@@ -57,33 +34,41 @@ std::vector<Index> finite_points(const std::vector<Vec3>& points, Progress& prog
 std::vector<Index> without_duplicates(const std::vector<Vec3>& points,
                                       const std::vector<Vec3>& unit,
                                       const std::vector<Index>& input_index,
-                                      const std::vector<Index>& order) {
+                                      const std::vector<Index>& order, Progress& progress) {
   const auto before = [&](Index a, Index b) {
     const Vec3 &p = points[a], &q = points[b];
     for (int axis = 0; axis < 3; ++axis)
       if (p[axis] != q[axis]) return p[axis] < q[axis];
     return a < b;
   };
-  std::vector<Index> kept, run;
-  kept.reserve(order.size());
-  for (std::size_t begin = 0; begin < order.size();) {
-    std::size_t end = begin + 1;
-    while (end < order.size() && unit[order[end]] == unit[order[begin]]) ++end;
-    if (end - begin == 1) {
-      kept.push_back(input_index[order[begin]]);
-    } else {
-      run.clear();
-      for (std::size_t i = begin; i < end; ++i) run.push_back(input_index[order[i]]);
-      std::sort(run.begin(), run.end(), before);
-      run.erase(std::unique(run.begin(), run.end(),
-                            [&](Index a, Index b) { return points[a] == points[b]; }),
-                run.end());
-      std::sort(run.begin(), run.end());
-      kept.insert(kept.end(), run.begin(), run.end());
-    }
-    begin = end;
-  }
-  return kept;
+  const Index count = static_cast<Index>(order.size());
+  const auto unit_at = [&](Index i) -> const Vec3& { return unit[order[i]]; };
+  // A run belongs to the block in which it begins.
+  return parallel_collect<Index>(
+      count, kGrain, progress, [&](Index first, Index last, std::vector<Index>& kept) {
+        kept.reserve(static_cast<std::size_t>(last - first));
+        std::vector<Index> run;
+        Index begin = first;
+        if (first > 0)
+          while (begin < last && unit_at(begin) == unit_at(first - 1)) ++begin;
+        while (begin < last) {
+          Index end = begin + 1;
+          while (end < count && unit_at(end) == unit_at(begin)) ++end;
+          if (end - begin == 1) {
+            kept.push_back(input_index[order[begin]]);
+          } else {
+            run.clear();
+            for (Index i = begin; i < end; ++i) run.push_back(input_index[order[i]]);
+            std::sort(run.begin(), run.end(), before);
+            run.erase(std::unique(run.begin(), run.end(),
+                                  [&](Index a, Index b) { return points[a] == points[b]; }),
+                      run.end());
+            std::sort(run.begin(), run.end());
+            kept.insert(kept.end(), run.begin(), run.end());
+          }
+          begin = end;
+        }
+      });
 }
 
 // Whether a double holds no more digits than a float does. By its bits: GCC 12 vectorises a
@@ -95,18 +80,33 @@ bool is_float(double x) {
   return (bits & kBeyondFloat) == 0;
 }
 
+// What coordinates have in common.
+struct Digits {
+  double largest = 0.0;
+  bool are_floats = true;
+  Digits& operator+=(const Digits& other) {
+    largest = std::max(largest, other.largest);
+    are_floats = are_floats && other.are_floats;
+    return *this;
+  }
+};
+
+Digits digits_of(const Vec3& p) {
+  return {p.cwiseAbs().maxCoeff(), is_float(p.x()) && is_float(p.y()) && is_float(p.z())};
+}
+
 // How far rounding may have moved a point, in the unit frame: the coordinates may be floats or
 // doubles.
-double rounding_of_input(const std::vector<Vec3>& points, const PointCloud& cloud) {
-  double largest = 0.0;
-  bool single_precision = true;
-  for (Index i : cloud.input_index) {
-    largest = std::max(largest, points[i].cwiseAbs().maxCoeff());
-    for (int axis = 0; axis < 3; ++axis)
-      single_precision = single_precision && is_float(points[i][axis]);
-  }
-  const double unit_roundoff = single_precision ? std::ldexp(1.0, -24) : std::ldexp(1.0, -53);
-  return 2.0 * unit_roundoff * largest * cloud.frame.scale + 1e-12;
+double rounding_of_input(const std::vector<Vec3>& points, const PointCloud& cloud,
+                         Progress& progress) {
+  const auto extremes =
+      parallel_sum<Digits>(cloud.size(), kGrain, progress, Digits(), [&](Index begin, Index end) {
+        Digits some;
+        for (Index i = begin; i < end; ++i) some += digits_of(points[cloud.input_index[i]]);
+        return some;
+      });
+  const double unit_roundoff = extremes.are_floats ? std::ldexp(1.0, -24) : std::ldexp(1.0, -53);
+  return 2.0 * unit_roundoff * extremes.largest * cloud.frame.scale + 1e-12;
 }
 
 // A closed surface needs samples on all sides: refuses what is flat up to the rounding of its
@@ -132,12 +132,17 @@ void refuse_flat(const PointCloud& cloud, double tolerance, Progress& progress) 
       });
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
   const Eigen::Matrix3d axes = solver.eigenvectors();  // least extent first
-  double from_plane = 0.0, from_line = 0.0;
-  for (const Vec3& p : position) {
-    const Vec3 d = axes.transpose() * (p - mean);
-    from_plane = std::max(from_plane, std::abs(d.x()));
-    from_line = std::max(from_line, std::hypot(d.x(), d.y()));
-  }
+  // Farthest from the plane, and from the line along the greatest extent.
+  const Vec3 farthest =
+      parallel_sum<Box>(cloud.size(), kGrain, progress, Box(), [&](Index begin, Index end) {
+        Box box;
+        for (Index i = begin; i < end; ++i) {
+          const Vec3 d = axes.transpose() * (position[i] - mean);
+          box.high = box.high.cwiseMax(Vec3(std::abs(d.x()), std::hypot(d.x(), d.y()), 0.0));
+        }
+        return box;
+      }).high;
+  const double from_plane = farthest.x(), from_line = farthest.y();
   if (from_plane > tolerance) return;
   throw InvalidInput("all " + std::to_string(cloud.size()) + " distinct points lie " +
                      (from_line > tolerance ? "in one plane" : "on one line") +
@@ -196,7 +201,8 @@ PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions&
     cloud.frame = unit_frame(unit);
     parallel_for_each(count, kGrain, progress,
                       [&](Index i) { unit[i] = cloud.frame.to_unit(unit[i]); });
-    cloud.input_index = without_duplicates(points, unit, input_index, morton_order(unit, progress));
+    cloud.input_index =
+        without_duplicates(points, unit, input_index, morton_order(unit, progress), progress);
     input_index = {};
   }
   cloud.conditioning.distinct = cloud.input_index.size();
@@ -209,13 +215,13 @@ PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions&
   parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
     cloud.position[i] = cloud.frame.to_unit(points[cloud.input_index[i]]);
   });
-  refuse_flat(cloud, rounding_of_input(points, cloud), progress);
+  refuse_flat(cloud, rounding_of_input(points, cloud, progress), progress);
 
   progress.set_range(0.3, 0.35);
-  const VoxelSearch search(cloud.position, progress);
+  cloud.search = VoxelSearch(cloud.position, progress);
   progress.set_range(0.35, 1.0);
   Neighbourhoods neighbourhoods =
-      find_neighbourhoods(cloud.position, search, options.neighbours, progress);
+      find_neighbourhoods(cloud.position, cloud.search, options.neighbours, progress);
   cloud.neighbour_count = neighbourhoods.k;
   cloud.neighbour = std::move(neighbourhoods.neighbour);
   cloud.normal = std::move(neighbourhoods.normal);

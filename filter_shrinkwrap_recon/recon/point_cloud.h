@@ -6,6 +6,7 @@
 
 #include "progress.h"
 #include "types.h"
+#include "voxel_search.h"
 
 namespace shrinkwrap {
 
@@ -42,6 +43,7 @@ class PointCloud {
   std::vector<Index> neighbour;      ///< k per sample, nearest first; entry 0 is the sample itself
   std::vector<float> local_spacing;  ///< s_i = sqrt(pi/(k-1)) * distance to the k-th neighbour
   double spacing = 0.0;              ///< s: median of local_spacing
+  VoxelSearch search;                ///< of `position`
   std::vector<Vec3f> normal;  ///< PCA of the k neighbours; sign arbitrary until `orient_normals`
   std::vector<TangentPlane>
       plane;  ///< after `orient_normals`: Gaussian mean of the compatible neighbours

@@ -56,7 +56,8 @@ Progress::Progress(Callback callback, const std::vector<Stage>& stages)
 void Progress::begin(Stage stage) {
   stage_ = stage;
   set_range(0.0, 1.0);
-  if (callback_ && std::this_thread::get_id() == owner_) call(stage_begin_[static_cast<int>(stage)]);
+  if (callback_ && std::this_thread::get_id() == owner_)
+    call(stage_begin_[static_cast<int>(stage)]);
 }
 
 void Progress::set_range(double from, double to) {

@@ -44,8 +44,8 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Enters a stage and tells the callback at once. Undeclared stages are allowed and advance nothing (used when stages are run on
-  /// their own).
+  /// Enters a stage and tells the callback at once. Undeclared stages are allowed and advance
+  /// nothing (used when stages are run on their own).
   void begin(Stage stage);
   /// Reports the fraction done of the current stage, in [0, 1]. Throws Cancelled.
   void update(double fraction_of_stage);

@@ -5,9 +5,9 @@
 #include <chrono>
 
 #include "bounding_box_start.h"
+#include "freed_memory.h"
 #include "memory_estimate.h"
 #include "stage_qualities.h"
-#include "voxel_search.h"
 
 namespace shrinkwrap {
 namespace {
@@ -91,7 +91,6 @@ Reconstruction run(const std::vector<Vec3>& points, const ReconstructionOptions&
 
   require_memory_for(points.size(), options.memory_limit);
   PointCloud cloud = prepare_samples(points, options.samples, progress);
-  const VoxelSearch search(cloud.position, progress);
   result.conditioning = cloud.conditioning;
   result.spacing = cloud.frame.to_input_length(cloud.spacing);
   log.add(Stage::samples, cloud.size());
@@ -104,7 +103,7 @@ Reconstruction run(const std::vector<Vec3>& points, const ReconstructionOptions&
   if (options.initial_mesh.start == InitialMeshOptions::Start::bounding_box)
     log.add_layer("bounding box", [&] { return to_result(box_around(cloud), cloud.frame); });
   {
-    InitialMesh initial = make_initial_mesh(cloud, search, options.initial_mesh, progress);
+    InitialMesh initial = make_initial_mesh(cloud, cloud.search, options.initial_mesh, progress);
     result.initial_mesh = initial.report;
     mesh = std::move(initial.mesh);
     round_to_host(mesh, cloud.frame, options.host_scalar);
@@ -121,7 +120,7 @@ Reconstruction run(const std::vector<Vec3>& points, const ReconstructionOptions&
     ParametricSurfaceOptions surface_options = options.parametric_surface;
     if (options.stop_at_parametric_surface) surface_options.fine_enough = 0.0;
     ParametricSurface parametric =
-        make_parametric_surface(std::move(mesh), cloud, search, surface_options, progress);
+        make_parametric_surface(std::move(mesh), cloud, cloud.search, surface_options, progress);
     result.parametric_surface = parametric.report;
     mesh = std::move(parametric.mesh);
     round_to_host(mesh, cloud.frame, options.host_scalar);
@@ -133,7 +132,7 @@ Reconstruction run(const std::vector<Vec3>& points, const ReconstructionOptions&
   } else {
     const SurfaceMesh surface = options.keep_stages ? mesh : SurfaceMesh();
     CompleteMatching matching =
-        match_samples(std::move(mesh), cloud, search, options.complete_matching, progress);
+        match_samples(std::move(mesh), cloud, cloud.search, options.complete_matching, progress);
     result.complete_matching = matching.report;
     const auto with_qualities = [&](ResultMesh stage, const std::vector<Index>& spanning) {
       stage.vertex_quality = distances_from_surface(stage, surface, cloud.frame, progress);
@@ -156,9 +155,9 @@ Reconstruction run(const std::vector<Vec3>& points, const ReconstructionOptions&
     remaining = indices_after_drop(remaining, matching.opening_faces);
     log.add(Stage::edge_optimisation, matching.mesh.vertex_count());
     if (options.keep_stages)
-      result.mesh = with_qualities(
-          std::move(result.mesh),
-          indices_after_drop(matching.spanning_faces, matching.opening_faces));
+      result.mesh =
+          with_qualities(std::move(result.mesh),
+                         indices_after_drop(matching.spanning_faces, matching.opening_faces));
   }
 
   progress.begin(Stage::report);
@@ -201,6 +200,7 @@ std::vector<Stage> stages_of(const ReconstructionOptions& options) {
 
 Reconstruction reconstruct(const std::vector<Vec3>& points, const ReconstructionOptions& options,
                            Progress& progress) {
+  const FreedMemoryIsKept freed_memory_is_kept(points.size());
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   return arena.execute([&] { return run(points, options, progress); });
 }

@@ -29,7 +29,7 @@ struct ReconstructionOptions {
   MeshReportOptions report;
   HostScalar host_scalar = HostScalar::single_precision;
   bool stop_at_parametric_surface =
-      false;                 ///< for noisy clouds: a smooth closed surface near the samples
+      false;  ///< for noisy clouds: a smooth closed surface near the samples
   /// Return the mesh of every stage too, the box before them if it is the start; the complete
   /// matching and the result then carry qualities: the distance of each vertex from the parametric
   /// surface (input length), the longest edge of each face that spans an opening (x spacing).

@@ -1,7 +1,6 @@
 #include "result_mesh.h"
 
-#include <algorithm>
-#include <numeric>
+#include <atomic>
 
 #include "parallel.h"
 
@@ -27,64 +26,79 @@ ResultMesh to_result(const CompleteMatching& matching, const PointCloud& cloud,
                      const std::vector<Vec3>& points) {
   const SurfaceMesh& mesh = matching.mesh;
   const Index samples = cloud.size();
+  Progress silent;
 
   // The caller's order: rank of each sample by its input index.
-  std::vector<Index> sample_at(points.size(), kNone);
-  for (Index sample = 0; sample < samples; ++sample) sample_at[cloud.input_index[sample]] = sample;
-  std::vector<Index> rank(samples);
-  Index next_rank = 0;
-  for (const Index sample : sample_at)
-    if (sample != kNone) rank[sample] = next_rank++;
+  std::vector<char> is_sample(points.size(), 0);
+  parallel_for_each(samples, kGrain, silent, [&](Index i) { is_sample[cloud.input_index[i]] = 1; });
+  std::vector<Index> rank;  // of each point of the input
+  parallel_number(
+      static_cast<Index>(points.size()), kGrain, silent, [&](Index i) { return is_sample[i] != 0; },
+      rank);
+  std::vector<Index> extra;  // rank of each vertex that is none
+  parallel_number(
+      mesh.vertex_slots(), kGrain, silent,
+      [&](Index v) { return matching.sample_of_vertex[v] == SampleId::none; }, extra);
 
   ResultMesh result;
   result.position.resize(mesh.position.size());
   result.input_index.assign(mesh.position.size(), kNone);
   std::vector<Index> output(mesh.position.size());
-  Index next_extra = samples;
-  for (Index v = 0; v < mesh.vertex_slots(); ++v) {
+  parallel_for_each(mesh.vertex_slots(), kGrain, silent, [&](Index v) {
     const SampleId sample = matching.sample_of_vertex[v];
     if (sample == SampleId::none) {
-      output[v] = next_extra++;
+      output[v] = samples + extra[v];
       result.position[output[v]] = cloud.frame.to_input(mesh.position[v]);
     } else {
-      output[v] = rank[to_index(sample)];
-      result.input_index[output[v]] = cloud.input_index[to_index(sample)];
-      result.position[output[v]] = points[cloud.input_index[to_index(sample)]];
+      const Index input = cloud.input_index[to_index(sample)];
+      output[v] = rank[input];
+      result.input_index[output[v]] = input;
+      result.position[output[v]] = points[input];
     }
-  }
+  });
   result.triangles = mesh.triangles();
-  for (Triangle& triangle : result.triangles)
-    for (Index& v : triangle) v = output[v];
+  parallel_for_each(static_cast<Index>(result.triangles.size()), kGrain, silent, [&](Index f) {
+    for (Index& v : result.triangles[f]) v = output[v];
+  });
   return result;
 }
 
 void drop_faces(ResultMesh& mesh, const std::vector<Index>& faces) {
   std::size_t kept = 0, dropped = 0;
-  for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+  for (std::size_t f = 0; f < mesh.triangles.size() && !faces.empty(); ++f) {
     if (dropped < faces.size() && static_cast<Index>(f) == faces[dropped]) {
       ++dropped;
       continue;
     }
     mesh.triangles[kept++] = mesh.triangles[f];
   }
-  mesh.triangles.resize(kept);
+  if (!faces.empty()) mesh.triangles.resize(kept);
 
-  std::vector<char> used(mesh.position.size(), 0);
-  for (const Triangle& triangle : mesh.triangles)
-    for (const Index v : triangle) used[v] = 1;
-  std::vector<Index> new_index(mesh.position.size(), kNone);
-  Index vertices = 0;
-  for (std::size_t v = 0; v < mesh.position.size(); ++v) {
-    if (!used[v] && mesh.input_index[v] == kNone) continue;
-    new_index[v] = vertices;
-    mesh.position[vertices] = mesh.position[v];
-    mesh.input_index[vertices] = mesh.input_index[v];
-    ++vertices;
+  Progress silent;
+  const Index face_count = static_cast<Index>(mesh.triangles.size());
+  std::vector<std::atomic<bool>> used(mesh.position.size());
+  parallel_for_each(face_count, kGrain, silent, [&](Index f) {
+    for (const Index v : mesh.triangles[f]) used[v].store(true, std::memory_order_relaxed);
+  });
+  std::vector<Index> new_index;
+  const Index slots = static_cast<Index>(mesh.position.size());
+  const Index vertices = parallel_number(
+      slots, kGrain, silent,
+      [&](Index v) {
+        return used[v].load(std::memory_order_relaxed) || mesh.input_index[v] != kNone;
+      },
+      new_index);
+  if (vertices == slots) return;
+  for (Index v = 0; v < slots; ++v) {
+    if (new_index[v] == kNone) continue;
+    mesh.position[new_index[v]] = mesh.position[v];
+    mesh.input_index[new_index[v]] = mesh.input_index[v];
   }
   mesh.position.resize(vertices);
   mesh.input_index.resize(vertices);
-  for (Triangle& triangle : mesh.triangles)
-    for (Index& v : triangle) v = new_index[v];
+  parallel_for_each(face_count, kGrain, silent, [&](Index f) {
+    for (Index& v : mesh.triangles[f]) v = new_index[v];
+  });
 }
 
 std::vector<Index> indices_after_drop(const std::vector<Index>& faces,
@@ -101,7 +115,9 @@ std::vector<Index> indices_after_drop(const std::vector<Index>& faces,
 
 SurfaceMesh to_surface(const ResultMesh& mesh, const Frame& frame) {
   std::vector<Vec3> position(mesh.position.size());
-  for (std::size_t v = 0; v < position.size(); ++v) position[v] = frame.to_unit(mesh.position[v]);
+  Progress silent;
+  parallel_for_each(static_cast<Index>(position.size()), kGrain, silent,
+                    [&](Index v) { position[v] = frame.to_unit(mesh.position[v]); });
   return SurfaceMesh::from_triangles(std::move(position), mesh.triangles);
 }
 

@@ -56,19 +56,15 @@ struct Edge {
   Index a, b;
 };
 
-// Each undirected edge once, sorted by bucket, then by index.
-std::vector<Edge> sorted_edges(const PointCloud& cloud, int neighbours, Progress& progress) {
-  const Index count = cloud.size();
-  const auto blocks = static_cast<std::size_t>(block_count(count, kGrain));
-  std::vector<std::vector<Edge>> edges(blocks);
-  std::vector<std::vector<std::uint16_t>> bucket_of_edge(blocks);
-  std::vector<std::array<std::size_t, kBuckets>> offset(blocks);
-  parallel_blocks(count, kGrain, progress, [&](Index block, Index begin, Index end) {
-    auto& histogram = offset[block];
-    histogram.fill(0);
+// The edges of one block of samples. Of those within the block only a spanning forest is kept: in
+// the order of weights the others would not join anything in the whole either.
+class BlockEdges {
+ public:
+  BlockEdges(const PointCloud& cloud, int neighbours, Index begin, Index end)
+      : begin_(begin), end_(end) {
     const std::size_t expected = static_cast<std::size_t>(end - begin) * neighbours * 2 / 3;
-    edges[block].reserve(expected);
-    bucket_of_edge[block].reserve(expected);
+    edge_.reserve(expected);
+    bucket_.reserve(expected);
     for (Index a = begin; a < end; ++a) {
       const Index* list = cloud.neighbours_of(a);
       for (int place = 1; place <= neighbours; ++place) {
@@ -76,12 +72,63 @@ std::vector<Edge> sorted_edges(const PointCloud& cloud, int neighbours, Progress
         const Index* back = cloud.neighbours_of(b);
         if (b < a && std::find(back + 1, back + 1 + neighbours, a) != back + 1 + neighbours)
           continue;  // b has it in its own list
-        const int bucket = bucket_of(cloud, a, b);
-        ++histogram[bucket];
-        edges[block].push_back({a, b});
-        bucket_of_edge[block].push_back(static_cast<std::uint16_t>(bucket));
+        edge_.push_back({a, b});
+        bucket_.push_back(static_cast<std::uint16_t>(bucket_of(cloud, a, b)));
       }
     }
+    keep_forest();
+  }
+
+  // Appends the edges that are kept, in the order in which they were found.
+  void move_to(std::vector<Edge>& edges, std::vector<std::uint16_t>& buckets) const {
+    for (std::size_t e = 0; e < edge_.size(); ++e) {
+      if (!kept_[e]) continue;
+      edges.push_back(edge_[e]);
+      buckets.push_back(bucket_[e]);
+    }
+  }
+
+ private:
+  void keep_forest() {
+    std::array<Index, kBuckets + 1> cursor = {};
+    for (const std::uint16_t bucket : bucket_) ++cursor[bucket + 1];
+    for (int bucket = 0; bucket < kBuckets; ++bucket) cursor[bucket + 1] += cursor[bucket];
+    std::vector<Index> order(edge_.size());
+    for (std::size_t e = 0; e < edge_.size(); ++e)
+      order[cursor[bucket_[e]]++] = static_cast<Index>(e);
+    kept_.assign(edge_.size(), 0);
+    SignedSets sets(end_ - begin_);
+    for (const Index e : order) {
+      const auto [a, b] = edge_[e];
+      if (b < begin_ || b >= end_) {
+        kept_[e] = 1;
+        continue;
+      }
+      const std::uint32_t root_a = sets.find(a - begin_), root_b = sets.find(b - begin_);
+      if (root_a >> 1 == root_b >> 1) continue;
+      sets.join(root_a, root_b, false);
+      kept_[e] = 1;
+    }
+  }
+
+  Index begin_, end_;
+  std::vector<Edge> edge_;
+  std::vector<std::uint16_t> bucket_;
+  std::vector<char> kept_;
+};
+
+// The edges that a spanning forest of the greatest weight may have, each once, sorted by bucket,
+// then by index.
+std::vector<Edge> sorted_edges(const PointCloud& cloud, int neighbours, Progress& progress) {
+  const Index count = cloud.size();
+  const auto blocks = static_cast<std::size_t>(block_count(count, kGrain));
+  std::vector<std::vector<Edge>> edges(blocks);
+  std::vector<std::vector<std::uint16_t>> bucket_of_edge(blocks);
+  std::vector<std::array<std::size_t, kBuckets>> offset(blocks);
+  parallel_blocks(count, kGrain, progress, [&](Index block, Index begin, Index end) {
+    BlockEdges(cloud, neighbours, begin, end).move_to(edges[block], bucket_of_edge[block]);
+    offset[block].fill(0);
+    for (const std::uint16_t bucket : bucket_of_edge[block]) ++offset[block][bucket];
   });
   std::size_t sum = 0;
   for (int bucket = 0; bucket < kBuckets; ++bucket)

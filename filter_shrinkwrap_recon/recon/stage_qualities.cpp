@@ -34,8 +34,8 @@ std::vector<float> spanning_lengths(const ResultMesh& mesh, const std::vector<In
     const Triangle& t = mesh.triangles[f];
     double longest = 0.0;
     for (int corner = 0; corner < 3; ++corner)
-      longest = std::max(
-          longest, (mesh.position[t[corner]] - mesh.position[t[(corner + 1) % 3]]).norm());
+      longest =
+          std::max(longest, (mesh.position[t[corner]] - mesh.position[t[(corner + 1) % 3]]).norm());
     length[f] = static_cast<float>(longest / spacing);
   }
   return length;

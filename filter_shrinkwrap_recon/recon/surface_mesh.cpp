@@ -1,58 +1,75 @@
 #include "surface_mesh.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 
+#include "buckets.h"
 #include "morton.h"
 #include "parallel.h"
+#include "shared_sets.h"
 
 namespace shrinkwrap {
 namespace {
 
 constexpr Index kGrain = 1 << 13;
 
-// The twin of every half-edge, by a counting sort of half-edges on their lower vertex.
-// Throws InvalidInput unless every edge has exactly two faces that run along it in opposite
-// directions.
+// What keeps half-edges from being twins of each other.
+enum class EdgeDefect { none, same_direction, several_faces, border };
+
+[[noreturn]] void refuse(EdgeDefect defect) {
+  switch (defect) {
+    case EdgeDefect::same_direction:
+      throw InvalidInput(
+          "an edge is shared by faces of inconsistent orientation or by more than two faces");
+    case EdgeDefect::several_faces:
+      throw InvalidInput("an edge is shared by more than two faces");
+    default:
+      throw InvalidInput("the mesh has a border: an edge has only one face");
+  }
+}
+
+// Makes twins of the half-edges at one vertex that lead to higher ones or come from there.
+EdgeDefect match_at_vertex(const Index* begin, const Index* end, const std::vector<Index>& origin,
+                           std::vector<Index>& twin) {
+  for (const Index* i = begin; i != end; ++i) {
+    const Index h = *i;
+    if (twin[h] != kNone) continue;
+    const Index from = origin[h], to = origin[SurfaceMesh::next(h)];
+    Index match = kNone;
+    for (const Index* j = i + 1; j != end; ++j) {
+      const Index g = *j;
+      const Index g_from = origin[g], g_to = origin[SurfaceMesh::next(g)];
+      if (g_from == from && g_to == to) return EdgeDefect::same_direction;
+      if (g_from == to && g_to == from) {
+        if (match != kNone || twin[g] != kNone) return EdgeDefect::several_faces;
+        match = g;
+      }
+    }
+    if (match == kNone) return EdgeDefect::border;
+    twin[h] = match;
+    twin[match] = h;
+  }
+  return EdgeDefect::none;
+}
+
+// The twin of every half-edge. Throws InvalidInput unless every edge has exactly two faces that run
+// along it in opposite directions.
 std::vector<Index> match_twins(Index vertices, const std::vector<Index>& origin,
                                Progress& progress) {
-  const Index halfedges = static_cast<Index>(origin.size());
-  const auto low_vertex = [&](Index h) {
-    return std::min(origin[h], origin[SurfaceMesh::next(h)]);
-  };
-  std::vector<Index> begin(static_cast<std::size_t>(vertices) + 1, 0);
-  for (Index h = 0; h < halfedges; ++h) ++begin[low_vertex(h) + 1];
-  for (Index v = 0; v < vertices; ++v) begin[v + 1] += begin[v];
-  progress.update(0.0);
-  std::vector<Index> bucket(origin.size());
-  {
-    std::vector<Index> cursor(begin.begin(), begin.end() - 1);
-    for (Index h = 0; h < halfedges; ++h) bucket[cursor[low_vertex(h)]++] = h;
-  }
+  const Buckets by_vertex =
+      sort_into_buckets(static_cast<Index>(origin.size()), vertices, progress,
+                        [&](Index h) { return std::min(origin[h], origin[SurfaceMesh::next(h)]); });
   std::vector<Index> twin(origin.size(), kNone);
-  for (Index v = 0; v < vertices; ++v) {
-    if (v % kGrain == 0) progress.update(static_cast<double>(v) / vertices);
-    for (Index i = begin[v]; i < begin[v + 1]; ++i) {
-      const Index h = bucket[i];
-      if (twin[h] != kNone) continue;
-      const Index from = origin[h], to = origin[SurfaceMesh::next(h)];
-      Index match = kNone;
-      for (Index j = i + 1; j < begin[v + 1]; ++j) {
-        const Index g = bucket[j];
-        const Index g_from = origin[g], g_to = origin[SurfaceMesh::next(g)];
-        if (g_from == from && g_to == to)
-          throw InvalidInput(
-              "an edge is shared by faces of inconsistent orientation or by more than two faces");
-        if (g_from == to && g_to == from) {
-          if (match != kNone || twin[g] != kNone)
-            throw InvalidInput("an edge is shared by more than two faces");
-          match = g;
-        }
-      }
-      if (match == kNone) throw InvalidInput("the mesh has a border: an edge has only one face");
-      twin[h] = match;
-      twin[match] = h;
-    }
-  }
+  std::vector<EdgeDefect> defect(block_count(vertices, kGrain), EdgeDefect::none);
+  parallel_blocks(vertices, kGrain, progress, [&](Index block, Index begin, Index end) {
+    const Index* item = by_vertex.item.data();
+    for (Index v = begin; v < end && defect[block] == EdgeDefect::none; ++v)
+      defect[block] =
+          match_at_vertex(item + by_vertex.begin[v], item + by_vertex.begin[v + 1], origin, twin);
+  });
+  for (const EdgeDefect found : defect)
+    if (found != EdgeDefect::none) refuse(found);
   return twin;
 }
 
@@ -64,8 +81,19 @@ SurfaceMesh SurfaceMesh::from_halfedges(std::vector<Vec3> positions, std::vector
   mesh.position = std::move(positions);
   mesh.origin_ = std::move(origins);
   mesh.twin_ = std::move(twins);
-  mesh.outgoing_.assign(mesh.position.size(), kNone);
-  for (Index h = mesh.halfedge_slots() - 1; h >= 0; --h) mesh.outgoing_[mesh.origin_[h]] = h;
+  // The lowest half-edge that leaves a vertex.
+  Progress silent;
+  const Index halfedges = mesh.halfedge_slots();
+  std::vector<std::atomic<Index>> lowest(mesh.position.size());
+  parallel_for_each(mesh.vertex_slots(), kGrain, silent,
+                    [&](Index v) { lowest[v].store(halfedges, std::memory_order_relaxed); });
+  parallel_for_each(halfedges, kGrain, silent,
+                    [&](Index h) { lower_to(lowest[mesh.origin_[h]], h); });
+  mesh.outgoing_.resize(mesh.position.size());
+  parallel_for_each(mesh.vertex_slots(), kGrain, silent, [&](Index v) {
+    const Index h = lowest[v].load(std::memory_order_relaxed);
+    mesh.outgoing_[v] = h < halfedges ? h : kNone;
+  });
   return mesh;
 }
 
@@ -79,21 +107,29 @@ SurfaceMesh SurfaceMesh::from_triangles(std::vector<Vec3> positions,
                                         const std::vector<Triangle>& triangles,
                                         Progress& progress) {
   const Index vertices = static_cast<Index>(positions.size());
-  std::vector<Index> origin;
-  origin.reserve(3 * triangles.size());
-  for (const Triangle& t : triangles) {
-    for (Index v : t)
-      if (v < 0 || v >= vertices)
-        throw InvalidInput("a face refers to a vertex that does not exist");
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
-      throw InvalidInput("a face uses one vertex twice");
-    origin.insert(origin.end(), t.begin(), t.end());
+  const Index faces = static_cast<Index>(triangles.size());
+  enum class FaceDefect : char { none, unknown_vertex, repeated_vertex };
+  std::vector<FaceDefect> defect(block_count(faces, kGrain), FaceDefect::none);
+  std::vector<Index> origin(3 * triangles.size());
+  parallel_blocks(faces, kGrain, progress, [&](Index block, Index begin, Index end) {
+    for (Index f = begin; f < end && defect[block] == FaceDefect::none; ++f) {
+      const Triangle& t = triangles[f];
+      for (Index v : t)
+        if (v < 0 || v >= vertices) defect[block] = FaceDefect::unknown_vertex;
+      if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) defect[block] = FaceDefect::repeated_vertex;
+      std::copy(t.begin(), t.end(), origin.begin() + 3 * static_cast<std::ptrdiff_t>(f));
+    }
+  });
+  for (const FaceDefect found : defect) {
+    if (found == FaceDefect::unknown_vertex)
+      throw InvalidInput("a face refers to a vertex that does not exist");
+    if (found == FaceDefect::repeated_vertex) throw InvalidInput("a face uses one vertex twice");
   }
   std::vector<Index> twin = match_twins(vertices, origin, progress);
   SurfaceMesh mesh = from_halfedges(std::move(positions), std::move(origin), std::move(twin));
   progress.update(1.0);
-  for (Index v = 0; v < vertices; ++v)
-    if (mesh.outgoing_[v] == kNone) throw InvalidInput("a vertex has no face");
+  if (std::find(mesh.outgoing_.begin(), mesh.outgoing_.end(), kNone) != mesh.outgoing_.end())
+    throw InvalidInput("a vertex has no face");
   if (!mesh.is_consistent()) throw InvalidInput("a vertex joins more than one fan of faces");
   return mesh;
 }
@@ -238,19 +274,19 @@ std::vector<Index> SurfaceMesh::compact() {
 }
 
 std::vector<Index> SurfaceMesh::compact(Progress& progress) {
-  std::vector<Vec3> kept;
-  std::vector<Index> kept_vertex;
-  kept.reserve(vertex_count());
-  kept_vertex.reserve(vertex_count());
-  for (Index v = 0; v < vertex_slots(); ++v)
-    if (!is_removed_vertex(v)) {
-      kept.push_back(position[v]);
-      kept_vertex.push_back(v);
-    }
+  std::vector<Index> place;  // of each vertex among those that are left
+  const Index vertices = parallel_number(
+      vertex_slots(), kGrain, progress, [&](Index v) { return !is_removed_vertex(v); }, place);
+  std::vector<Vec3> kept(vertices);
+  parallel_for_each(vertex_slots(), kGrain, progress, [&](Index v) {
+    if (place[v] != kNone) kept[place[v]] = position[v];
+  });
   const std::vector<Index> order = morton_order(kept, progress);
-  std::vector<Index> new_index(position.size(), kNone);
-  for (std::size_t i = 0; i < order.size(); ++i)
-    new_index[kept_vertex[order[i]]] = static_cast<Index>(i);
+  std::vector<Index> rank(order.size());
+  parallel_for_each(vertices, kGrain, progress, [&](Index i) { rank[order[i]] = i; });
+  std::vector<Index> new_index(position.size());
+  parallel_for_each(vertex_slots(), kGrain, progress,
+                    [&](Index v) { new_index[v] = place[v] == kNone ? kNone : rank[place[v]]; });
   renumber(new_index, progress);
   return new_index;
 }
@@ -263,28 +299,21 @@ void SurfaceMesh::renumber(const std::vector<Index>& new_index) {
 void SurfaceMesh::renumber(const std::vector<Index>& new_index, Progress& progress) {
   const Index vertices = vertex_count(), faces = face_count(), old_faces = face_slots();
   std::vector<Vec3> moved(vertices);
-  for (Index v = 0; v < vertex_slots(); ++v)
+  parallel_for_each(vertex_slots(), kGrain, progress, [&](Index v) {
     if (new_index[v] != kNone) moved[new_index[v]] = position[v];
+  });
   position = std::move(moved);
 
-  // Faces by their lowest vertex (a counting sort, so faces of one vertex keep their order).
-  std::vector<Index> begin(static_cast<std::size_t>(vertices) + 1, 0);
-  std::vector<Index> low(old_faces, kNone);
-  for (Index f = 0; f < old_faces; ++f) {
-    if (is_removed_face(f)) continue;
+  // Faces by their lowest vertex; those of one vertex keep their order.
+  const Buckets by_vertex = sort_into_buckets(old_faces, vertices, progress, [&](Index f) {
+    if (is_removed_face(f)) return kNone;
     const Triangle t = triangle(f);
-    if (f % kGrain == 0) progress.update(0.0);
-    low[f] = std::min({new_index[t[0]], new_index[t[1]], new_index[t[2]]});
-    ++begin[low[f] + 1];
-  }
-  for (Index v = 0; v < vertices; ++v) begin[v + 1] += begin[v];
-  progress.update(0.0);
+    return std::min({new_index[t[0]], new_index[t[1]], new_index[t[2]]});
+  });
   std::vector<Index> new_face(old_faces, kNone);
-  for (Index f = 0; f < old_faces; ++f)
-    if (low[f] != kNone) new_face[f] = begin[low[f]]++;
+  parallel_for_each(faces, kGrain, progress, [&](Index f) { new_face[by_vertex.item[f]] = f; });
 
   std::vector<Index> origin(3 * static_cast<std::size_t>(faces)), twin(origin.size());
-  progress.update(0.0);
   parallel_for_each(old_faces, kGrain, progress, [&](Index f) {
     if (new_face[f] == kNone) return;
     for (Index corner = 0; corner < 3; ++corner) {
@@ -297,36 +326,60 @@ void SurfaceMesh::renumber(const std::vector<Index>& new_index, Progress& progre
 }
 
 bool SurfaceMesh::is_consistent() const {
+  constexpr Index kBroken = std::numeric_limits<Index>::min();
+  const auto summed = [](const std::vector<Index>& partial) {
+    std::int64_t sum = 0;
+    for (const Index part : partial) sum = part == kBroken || sum < 0 ? -1 : sum + part;
+    return sum;
+  };
+  Progress silent;
   const Index halfedges = halfedge_slots();
-  Index live = 0;
-  for (Index h = 0; h < halfedges; ++h) {
-    if (origin_[h] == kNone) continue;
-    ++live;
-    const Index o = twin_[h];
-    if (o < 0 || o >= halfedges || o == h || twin_[o] != h) return false;
-    if (origin_[o] != target(h) || target(o) != origin_[h]) return false;
-  }
+  std::vector<Index> live(block_count(halfedges, kGrain), 0);
+  parallel_blocks(halfedges, kGrain, silent, [&](Index block, Index begin, Index end) {
+    for (Index h = begin; h < end; ++h) {
+      if (origin_[h] == kNone) continue;
+      ++live[block];
+      const Index o = twin_[h];
+      if (o < 0 || o >= halfedges || o == h || twin_[o] != h || origin_[o] != target(h) ||
+          target(o) != origin_[h]) {
+        live[block] = kBroken;
+        return;
+      }
+    }
+  });
+  const std::int64_t all = summed(live);
+  if (all < 0) return false;
   // One fan per vertex: the half-edges met while walking around every vertex are all there are.
-  Index walked = 0;
-  for (Index v = 0; v < vertex_slots(); ++v) {
-    if (is_removed_vertex(v)) continue;
-    const Index first = outgoing_[v];
-    if (first < 0 || first >= halfedges || origin_[first] != v) return false;
-    Index h = first;
-    do {
-      if (origin_[h] != v || ++walked > live) return false;
-      h = rotate(h);
-    } while (h != first);
-  }
-  return walked == live;
+  // Links in pairs always lead back to where a walk began.
+  std::vector<Index> walked(block_count(vertex_slots(), kGrain), 0);
+  parallel_blocks(vertex_slots(), kGrain, silent, [&](Index block, Index begin, Index end) {
+    for (Index v = begin; v < end; ++v) {
+      if (is_removed_vertex(v)) continue;
+      const Index first = outgoing_[v];
+      bool broken = first < 0 || first >= halfedges;
+      for (Index h = first; !broken;) {
+        ++walked[block];
+        broken = origin_[h] != v;
+        h = rotate(h);
+        if (h == first) break;
+      }
+      if (broken) {
+        walked[block] = kBroken;
+        return;
+      }
+    }
+  });
+  return summed(walked) == all;
 }
 
 std::vector<Triangle> SurfaceMesh::triangles() const {
-  std::vector<Triangle> result;
-  result.reserve(face_count());
-  for (Index f = 0; f < face_slots(); ++f)
-    if (!is_removed_face(f)) result.push_back(triangle(f));
-  return result;
+  Progress silent;
+  return parallel_collect<Triangle>(face_slots(), kGrain, silent,
+                                    [&](Index begin, Index end, std::vector<Triangle>& some) {
+                                      some.reserve(static_cast<std::size_t>(end - begin));
+                                      for (Index f = begin; f < end; ++f)
+                                        if (!is_removed_face(f)) some.push_back(triangle(f));
+                                    });
 }
 
 MeshComponents connected_components(const SurfaceMesh& mesh) {
@@ -335,28 +388,22 @@ MeshComponents connected_components(const SurfaceMesh& mesh) {
 }
 
 MeshComponents connected_components(const SurfaceMesh& mesh, Progress& progress) {
+  const Index vertices = mesh.vertex_slots();
+  SharedSets sets(vertices, progress);
+  parallel_for_each(vertices, kGrain, progress, [&](Index v) {
+    if (mesh.is_removed_vertex(v)) return;
+    mesh.for_each_outgoing(v, [&](Index h) {
+      if (mesh.target(h) < v) sets.unite(v, mesh.target(h));
+    });
+  });
   MeshComponents components;
-  components.of_vertex.assign(mesh.position.size(), kNone);
-  std::vector<Index> stack;
-  Index visited = 0;
-  for (Index seed = 0; seed < mesh.vertex_slots(); ++seed) {
-    if (mesh.is_removed_vertex(seed) || components.of_vertex[seed] != kNone) continue;
-    components.of_vertex[seed] = components.count;
-    stack.push_back(seed);
-    while (!stack.empty()) {
-      const Index v = stack.back();
-      stack.pop_back();
-      if (++visited % kGrain == 0)
-        progress.update(static_cast<double>(visited) / mesh.vertex_slots());
-      mesh.for_each_outgoing(v, [&](Index h) {
-        Index& component = components.of_vertex[mesh.target(h)];
-        if (component != kNone) return;
-        component = components.count;
-        stack.push_back(mesh.target(h));
-      });
-    }
-    ++components.count;
-  }
+  std::vector<Index> number;  // of the lowest vertex of each component
+  components.count = parallel_number(
+      vertices, kGrain, progress,
+      [&](Index v) { return !mesh.is_removed_vertex(v) && sets.find(v) == v; }, number);
+  components.of_vertex.resize(static_cast<std::size_t>(vertices));
+  parallel_for_each(vertices, kGrain, progress,
+                    [&](Index v) { components.of_vertex[v] = number[sets.find(v)]; });
   return components;
 }
 

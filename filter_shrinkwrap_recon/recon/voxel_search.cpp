@@ -28,18 +28,6 @@ float rounded_up(double x) {
   return f + (std::abs(f) * 0x1p-23f + kTiny);
 }
 
-std::vector<std::uint64_t> morton_keys(const std::vector<Vec3>& points, const Vec3& low,
-                                       double cells_per_length, Progress& progress) {
-  const Index count = static_cast<Index>(points.size());
-  std::vector<std::uint64_t> keys(points.size());
-  parallel_for_each(count, kGrain, progress, [&](Index i) {
-    const Vec3 cell = (points[i] - low) * cells_per_length;
-    keys[i] = morton_key(static_cast<std::uint32_t>(cell.x()), static_cast<std::uint32_t>(cell.y()),
-                         static_cast<std::uint32_t>(cell.z()));
-  });
-  return keys;
-}
-
 // The voxel level at which two different keys part, counted from the finest.
 int level_of_difference(std::uint64_t a, std::uint64_t b) {
   int level = 0;
@@ -63,19 +51,14 @@ void VoxelSearch::make(Progress& progress) {
   const Index count = size();
   index_.resize(point_.size());
   for (Index i = 0; i < count; ++i) index_[i] = i;
-  low_ = point_[0];
-  Vec3 high = point_[0];
-  for (const Vec3& p : point_) {
-    low_ = low_.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  const double extent = std::max((high - low_).maxCoeff(), 1e-300);
-  const double cells_per_length = ((1 << kKeyLevels) - 1) / extent;
+  const Box box = bounding_box(point_);
+  low_ = box.low;
+  const double extent = (box.high - box.low).maxCoeff();
   while (start_bits_ < 8 && std::int64_t{8} << (3 * start_bits_) <= count / 4) ++start_bits_;
-  start_voxels_ = std::ldexp(cells_per_length, start_bits_ - kKeyLevels);
-  start_slack_ = 1e-9 * extent;
+  start_voxels_ = std::ldexp(morton_cells_per_length(box), start_bits_ - kKeyLevels);
+  start_slack_ = 1e-9 * std::max(extent, 1e-300);
   start_.assign(std::size_t{1} << (3 * start_bits_), kNone);
-  std::vector<std::uint64_t> keys = morton_keys(point_, low_, cells_per_length, progress);
+  std::vector<std::uint64_t> keys = morton_keys(point_, box, progress);
   if (!std::is_sorted(keys.begin(), keys.end())) {
     tbb::parallel_sort(index_.begin(), index_.end(), [&](Index a, Index b) {
       return keys[a] != keys[b] ? keys[a] < keys[b] : a < b;

@@ -1,5 +1,7 @@
 #include "voxel_solid.h"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -74,8 +76,17 @@ SampleBins bin_samples(const PointCloud& cloud, const VoxelLattice& lattice,
     brick[i] = BrickIndex::brick_of(lattice.voxel_of(cloud.position[i]));
   });
   std::vector<Index> bin(cloud.position.size());
-  for (Index i = 0; i < cloud.size(); ++i)
-    bin[i] = i > 0 && brick[i] == brick[i - 1] ? bin[i - 1] : bins.bricks.insert(brick[i]);
+  // Samples come in runs of one brick: only the first of each run looks it up.
+  const std::vector<Index> run = parallel_collect<Index>(
+      cloud.size(), kSampleGrain, progress, [&](Index begin, Index end, std::vector<Index>& some) {
+        for (Index i = begin; i < end; ++i)
+          if (i == 0 || brick[i] != brick[i - 1]) some.push_back(i);
+      });
+  for (const Index first : run) bin[first] = bins.bricks.insert(brick[first]);
+  parallel_for_each(static_cast<Index>(run.size()), kSampleGrain, progress, [&](Index r) {
+    const Index end = r + 1 < static_cast<Index>(run.size()) ? run[r + 1] : cloud.size();
+    std::fill(bin.begin() + run[r] + 1, bin.begin() + end, bin[run[r]]);
+  });
   bins.begin.assign(static_cast<std::size_t>(bins.bricks.size()) + 1, 0);
   for (const Index b : bin) ++bins.begin[b + 1];
   for (Index b = 0; b < bins.bricks.size(); ++b) bins.begin[b + 1] += bins.begin[b];
@@ -157,7 +168,8 @@ class Classification {
             }
           sort_unique(reached);
         });
-    sort_unique(bricks);
+    tbb::parallel_sort(bricks);
+    bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
     for (const std::uint64_t key : bricks) solid_.image.add(brick_of_key(key));
     solid_.near_samples.assign(bricks.size(), 0);
   }
@@ -321,7 +333,8 @@ class Classification {
             }
           sort_unique(unknown);
         });
-    sort_unique(found);
+    tbb::parallel_sort(found);
+    found.erase(std::unique(found.begin(), found.end()), found.end());
     return found;
   }
 

@@ -5,34 +5,18 @@
 #include <cmath>
 
 #include "morton.h"
+#include "parallel.h"
 
 namespace shrinkwrap {
 namespace {
 
 constexpr Index kLeafSamples = 8;
-constexpr Index kProgressStride = 1 << 12;  // nodes
+constexpr Index kSubtreeSamples = 1 << 14;  // at most, of a part that one thread builds
 constexpr float kOpening = 2.0f;            // beta: a node is far from this many radii on
 constexpr double kSoftening = 0.5;          // x median spacing
 constexpr double kGreatestSpacing =
     4;  // x median spacing: a lone sample stands for no more area than that
 constexpr double kFourPi = 12.566370614359172;
-
-// Keys that rise along the order of the samples.
-std::vector<std::uint64_t> morton_keys(const std::vector<Vec3>& points) {
-  Vec3 low = points[0], high = points[0];
-  for (const Vec3& p : points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  const double cells = 2097151.0 / std::max((high - low).maxCoeff(), 1e-300);
-  std::vector<std::uint64_t> keys(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vec3 cell = (points[i] - low) * cells;
-    keys[i] = morton_key(static_cast<std::uint32_t>(cell.x()), static_cast<std::uint32_t>(cell.y()),
-                         static_cast<std::uint32_t>(cell.z()));
-  }
-  return keys;
-}
 
 // Where the range passes into the other half of the smallest octree cell, cut in two along one
 // axis, that holds it: the parts are compact, unlike two halves of equal count.
@@ -52,37 +36,91 @@ Index split_of(Index begin, Index end, const std::vector<std::uint64_t>& keys) {
 struct WindingNumber::Range {
   Vec3 centre = Vec3::Zero(), dipole = Vec3::Zero();
   Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
-  Index begin, end;
+  Index begin = 0, end = 0;  // samples
 };
 
-WindingNumber::WindingNumber(const PointCloud& cloud, Progress& progress)
-    : dipole_(cloud.position.size()),
-      softening_(static_cast<float>(kSoftening * kSoftening * cloud.spacing * cloud.spacing)) {
-  for (Index i = 0; i < cloud.size(); ++i) {
-    const float side =
-        std::min(cloud.local_spacing[i], static_cast<float>(kGreatestSpacing * cloud.spacing));
-    dipole_[i] = {cloud.position[i].cast<float>(), side * side * cloud.normal[i]};
-  }
-  node_.reserve(static_cast<std::size_t>(4 * cloud.size() / kLeafSamples + 8));
-  if (cloud.size() > 0) build(0, cloud.size(), morton_keys(cloud.position), progress);
-}
-
-WindingNumber::WindingNumber(const PointCloud& cloud) {
-  Progress silent;
-  *this = WindingNumber(cloud, silent);
-}
-
-WindingNumber::Range WindingNumber::build(Index begin, Index end,
-                                          const std::vector<std::uint64_t>& keys,
-                                          Progress& progress) {
-  const Index me = static_cast<Index>(node_.size());
-  if (me % kProgressStride == 0)
-    progress.update(static_cast<double>(begin) / static_cast<double>(dipole_.size()));
-  node_.emplace_back();
+// A part of the tree whose nodes count from its own first one.
+struct WindingNumber::Subtree {
+  Index begin = 0, end = 0;  // samples
+  std::vector<Node> node;
   Range range;
-  range.begin = begin;
-  range.end = end;
-  if (end - begin <= kLeafSamples) {
+};
+
+// Builds the lower parts of the tree in parallel and joins them in depth-first order, so that the
+// nodes are those of one recursion.
+class WindingNumber::Builder {
+ public:
+  Builder(const std::vector<Dipole>& dipole, float softening,
+          const std::vector<std::uint64_t>& keys)
+      : dipole_(dipole), softening_(softening), keys_(keys) {}
+
+  std::vector<Node> build(Progress& progress) {
+    const Index samples = static_cast<Index>(dipole_.size());
+    list_subtrees(0, samples);
+    parallel_for_each(static_cast<Index>(subtrees_.size()), 1, progress, [&](Index i) {
+      Subtree& subtree = subtrees_[i];
+      subtree.range = build(subtree.begin, subtree.end, subtree.node);
+    });
+    std::size_t nodes = 2 * subtrees_.size();
+    for (const Subtree& subtree : subtrees_) nodes += subtree.node.size();
+    node_.reserve(nodes);
+    join(0, samples);
+    return std::move(node_);
+  }
+
+ private:
+  void list_subtrees(Index begin, Index end) {
+    if (end - begin <= kSubtreeSamples) {
+      subtrees_.emplace_back();
+      subtrees_.back().begin = begin;
+      subtrees_.back().end = end;
+      return;
+    }
+    const Index middle = split_of(begin, end, keys_);
+    list_subtrees(begin, middle);
+    list_subtrees(middle, end);
+  }
+
+  Range join(Index begin, Index end) {
+    const Index me = static_cast<Index>(node_.size());
+    if (end - begin <= kSubtreeSamples) {
+      Subtree& subtree = subtrees_[next_subtree_++];
+      for (Node& node : subtree.node) {
+        node.skip += me;
+        node_.push_back(node);
+      }
+      subtree.node = {};
+      return subtree.range;
+    }
+    node_.emplace_back();
+    const Index middle = split_of(begin, end, keys_);
+    const Range first = join(begin, middle), second = join(middle, end);
+    const Range range = union_of(first, second);
+    finish(range, node_[me]);
+    node_[me].skip = static_cast<Index>(node_.size());
+    return range;
+  }
+
+  Range build(Index begin, Index end, std::vector<Node>& nodes) const {
+    const std::size_t me = nodes.size();
+    nodes.emplace_back();
+    Range range;
+    if (end - begin <= kLeafSamples) {
+      range = leaf(begin, end);
+    } else {
+      const Index middle = split_of(begin, end, keys_);
+      const Range first = build(begin, middle, nodes), second = build(middle, end, nodes);
+      range = union_of(first, second);
+    }
+    finish(range, nodes[me]);
+    nodes[me].skip = static_cast<Index>(nodes.size());
+    return range;
+  }
+
+  Range leaf(Index begin, Index end) const {
+    Range range;
+    range.begin = begin;
+    range.end = end;
     double total = 0.0;
     for (Index i = begin; i < end; ++i) {
       const double area = dipole_[i].moment.norm();
@@ -95,35 +133,82 @@ WindingNumber::Range WindingNumber::build(Index begin, Index end,
       range.dipole += moment;
       range.moment += moment * (dipole_[i].position.cast<double>() - range.centre).transpose();
     }
-  } else {
-    const Index middle = split_of(begin, end, keys);
-    const Range children[2] = {build(begin, middle, keys, progress),
-                               build(middle, end, keys, progress)};
-    for (const Range& child : children)
-      range.centre += static_cast<double>(child.end - child.begin) / (end - begin) * child.centre;
-    for (const Range& child : children) {
-      range.dipole += child.dipole;
-      range.moment += child.moment + child.dipole * (child.centre - range.centre).transpose();
-    }
+    return range;
   }
-  Node& node = node_[me];
-  node.centre = range.centre.cast<float>();
-  node.dipole = range.dipole.cast<float>();
-  const Eigen::Matrix3f moment = (0.5 * (range.moment + range.moment.transpose())).cast<float>();
-  node.moment[0] = moment(0, 0);
-  node.moment[1] = moment(1, 1);
-  node.moment[2] = moment(2, 2);
-  node.moment[3] = moment(1, 2);
-  node.moment[4] = moment(2, 0);
-  node.moment[5] = moment(0, 1);
-  float squared_radius = 0.0f;
-  for (Index i = begin; i < end; ++i)
-    squared_radius = std::max(squared_radius, (dipole_[i].position - node.centre).squaredNorm());
-  node.squared_opening = kOpening * kOpening * squared_radius + softening_;
-  node.begin = begin;
-  node.end = end;
-  node.skip = static_cast<Index>(node_.size());
-  return range;
+
+  static Range union_of(const Range& first, const Range& second) {
+    Range range;
+    range.begin = first.begin;
+    range.end = second.end;
+    for (const Range* child : {&first, &second})
+      range.centre += static_cast<double>(child->end - child->begin) / (range.end - range.begin) *
+                      child->centre;
+    for (const Range* child : {&first, &second}) {
+      range.dipole += child->dipole;
+      range.moment += child->moment + child->dipole * (child->centre - range.centre).transpose();
+    }
+    return range;
+  }
+
+  // All of the node but `skip`.
+  void finish(const Range& range, Node& node) const {
+    node.centre = range.centre.cast<float>();
+    node.dipole = range.dipole.cast<float>();
+    const Eigen::Matrix3f moment = (0.5 * (range.moment + range.moment.transpose())).cast<float>();
+    node.moment[0] = moment(0, 0);
+    node.moment[1] = moment(1, 1);
+    node.moment[2] = moment(2, 2);
+    node.moment[3] = moment(1, 2);
+    node.moment[4] = moment(2, 0);
+    node.moment[5] = moment(0, 1);
+    node.squared_opening =
+        kOpening * kOpening * squared_radius(range.begin, range.end, node.centre) + softening_;
+    node.begin = range.begin;
+    node.end = range.end;
+  }
+
+  float squared_radius(Index begin, Index end, const Vec3f& centre) const {
+    const auto greatest = [&](Index first, Index last) {
+      float squared = 0.0f;
+      for (Index i = first; i < last; ++i)
+        squared = std::max(squared, (dipole_[i].position - centre).squaredNorm());
+      return squared;
+    };
+    if (end - begin <= kSubtreeSamples) return greatest(begin, end);
+    Progress silent;
+    std::vector<float> partial(block_count(end - begin, kSubtreeSamples));
+    parallel_blocks(end - begin, kSubtreeSamples, silent,
+                    [&](Index block, Index first, Index last) {
+                      partial[block] = greatest(begin + first, begin + last);
+                    });
+    return *std::max_element(partial.begin(), partial.end());
+  }
+
+  const std::vector<Dipole>& dipole_;
+  float softening_;
+  const std::vector<std::uint64_t>& keys_;
+  std::vector<Subtree> subtrees_;  // in the order of the samples
+  std::size_t next_subtree_ = 0;
+  std::vector<Node> node_;
+};
+
+WindingNumber::WindingNumber(const PointCloud& cloud, Progress& progress)
+    : dipole_(cloud.position.size()),
+      softening_(static_cast<float>(kSoftening * kSoftening * cloud.spacing * cloud.spacing)) {
+  if (cloud.size() == 0) return;
+  parallel_for_each(cloud.size(), kSubtreeSamples, progress, [&](Index i) {
+    const float side =
+        std::min(cloud.local_spacing[i], static_cast<float>(kGreatestSpacing * cloud.spacing));
+    dipole_[i] = {cloud.position[i].cast<float>(), side * side * cloud.normal[i]};
+  });
+  const std::vector<std::uint64_t> keys =
+      morton_keys(cloud.position, bounding_box(cloud.position), progress);
+  node_ = Builder(dipole_, softening_, keys).build(progress);
+}
+
+WindingNumber::WindingNumber(const PointCloud& cloud) {
+  Progress silent;
+  *this = WindingNumber(cloud, silent);
 }
 
 double WindingNumber::at(const Vec3& query) const {

@@ -33,7 +33,8 @@ class WindingNumber {
     Vec3f position, moment;  // area x normal
   };
   struct Range;
-  Range build(Index begin, Index end, const std::vector<std::uint64_t>& keys, Progress& progress);
+  struct Subtree;
+  class Builder;
 
   std::vector<Dipole> dipole_;  // per sample
   float softening_;             // squared length
