@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "bounding_box_start.h"
+#include "genus_limit.h"
 #include "one_ring.h"
 #include "parallel.h"
 #include "tangent_target.h"
@@ -105,6 +106,70 @@ Index drop_unsupported(SurfaceMesh& mesh, const PointCloud& cloud, double reach,
       std::count_if(support.begin(), support.end(), [&](Index count) { return count < needed; }));
 }
 
+// The boundary of the voxel solid of one voxel size.
+InitialMesh solid_boundary(const PointCloud& cloud, const WindingNumber& winding,
+                           const InitialMeshOptions& options, Progress& progress) {
+  InitialMesh result;
+  VoxelSolid solid = make_voxel_solid(cloud, winding, options, progress);
+  const auto boundary = [&](Index min_samples) {
+    make_well_composed(solid.image, progress);
+    SurfaceMesh mesh = boundary_of(solid.image, solid.lattice, progress);
+    result.report.dropped =
+        drop_unsupported(mesh, cloud, kSupportReach * solid.lattice.size, min_samples, progress);
+    return mesh;
+  };
+  progress.set_range(0.6, 0.7);
+  result.mesh = boundary(std::clamp<Index>(cloud.size() / 100, 4, options.min_component_samples));
+  result.report.samples_with_solid_behind = fraction_with_solid_behind(cloud, solid, progress);
+  if (result.mesh.face_count() == 0) {
+    solid.image.mask = solid.near_samples;
+    solid.image.mask.resize(static_cast<std::size_t>(solid.image.bricks.size()), 0);
+    result.mesh = boundary(1);
+  }
+  result.report.voxel_size = options.voxel_size;
+  return result;
+}
+
+struct Parts {
+  Index bodies = 0, cavities = 0;
+};
+
+// Components by the sign of the volume that they enclose.
+Parts count_parts(const SurfaceMesh& mesh, Progress& progress) {
+  const MeshComponents components = connected_components(mesh, progress);
+  std::vector<double> volume(static_cast<std::size_t>(components.count), 0.0);
+  for (Index f = 0; f < mesh.face_slots(); ++f) {
+    const Triangle t = mesh.triangle(f);
+    const auto& p = mesh.position;
+    volume[components.of_vertex[t[0]]] += p[t[0]].dot(p[t[1]].cross(p[t[2]]));
+  }
+  Parts parts;
+  for (const double v : volume) ++(v > 0.0 ? parts.bodies : parts.cavities);
+  return parts;
+}
+
+// The boundary that the evidence speaks for: a handle of the object is there at either voxel size,
+// one that voxels made between close sheets or through thin walls seldom is.
+InitialMesh most_plausible_boundary(const PointCloud& cloud, const InitialMeshOptions& options,
+                                    Progress& progress) {
+  progress.set_range(0.0, 0.0);
+  const WindingNumber winding(cloud, progress);
+  InitialMesh first = solid_boundary(cloud, winding, options, progress);
+  first.report.genus = genus_of(first.mesh, progress);
+  if (first.report.genus == 0 || options.second_voxel_ratio <= 0.0) return first;
+  InitialMeshOptions finer = options;
+  finer.voxel_size *= options.second_voxel_ratio;
+  InitialMesh second = solid_boundary(cloud, winding, finer, progress);
+  second.report.genus = genus_of(second.mesh, progress);
+  const Parts parts = count_parts(first.mesh, progress),
+              second_parts = count_parts(second.mesh, progress);
+  if (second.report.genus >= first.report.genus || second_parts.bodies < parts.bodies ||
+      second_parts.cavities < parts.cavities)
+    return first;
+  second.report.handles_refuted = first.report.genus - second.report.genus;
+  return second;
+}
+
 }  // namespace
 
 InitialMesh make_initial_mesh(const PointCloud& cloud, const VoxelSearch& search,
@@ -112,41 +177,17 @@ InitialMesh make_initial_mesh(const PointCloud& cloud, const VoxelSearch& search
   if (options.start == InitialMeshOptions::Start::bounding_box)
     return shrink_bounding_box(cloud, search, options, progress);
   progress.begin(Stage::initial_mesh);
-  InitialMesh result;
-  {
-    VoxelSolid solid;
-    {
-      progress.set_range(0.0, 0.0);
-      const WindingNumber winding(cloud, progress);
-      solid = make_voxel_solid(cloud, winding, options, progress);
-    }
-    const auto boundary = [&](Index min_samples) {
-      make_well_composed(solid.image, progress);
-      SurfaceMesh mesh = boundary_of(solid.image, solid.lattice, progress);
-      result.report.dropped =
-          drop_unsupported(mesh, cloud, kSupportReach * solid.lattice.size, min_samples, progress);
-      return mesh;
-    };
-    progress.set_range(0.6, 0.7);
-    result.mesh = boundary(std::clamp<Index>(cloud.size() / 100, 4, options.min_component_samples));
-    result.report.samples_with_solid_behind = fraction_with_solid_behind(cloud, solid, progress);
-    if (result.mesh.face_count() == 0) {
-      solid.image.mask = solid.near_samples;
-      solid.image.mask.resize(static_cast<std::size_t>(solid.image.bricks.size()), 0);
-      result.mesh = boundary(1);
-    }
-  }
+  InitialMesh result = most_plausible_boundary(cloud, options, progress);
   if (result.mesh.face_count() == 0)
     throw ReconstructionFailed(
         "no solid was found around the samples: try a larger voxel size or a lower level");
-  const MeshComponents components = connected_components(result.mesh, progress);
-  std::vector<double> volume(static_cast<std::size_t>(components.count), 0.0);
-  for (Index f = 0; f < result.mesh.face_slots(); ++f) {
-    const Triangle t = result.mesh.triangle(f);
-    const auto& p = result.mesh.position;
-    volume[components.of_vertex[t[0]]] += p[t[0]].dot(p[t[1]].cross(p[t[2]]));
+  const Parts parts = count_parts(result.mesh, progress);
+  result.report.components = parts.bodies;
+  result.report.cavities = parts.cavities;
+  if (options.maximum_genus >= 0 && result.report.genus > options.maximum_genus) {
+    result.report.handles_cut = limit_genus(result.mesh, options.maximum_genus, progress);
+    result.report.genus -= result.report.handles_cut;
   }
-  for (const double v : volume) ++(v > 0.0 ? result.report.components : result.report.cavities);
   shrink(result.mesh, cloud, search, options, progress);
   return result;
 }

@@ -22,6 +22,10 @@ struct InitialMeshOptions {
   double blend_begin =
       1.2;  ///< x local spacing: up to here from the samples the plane field alone decides
   double blend_end = 2.5;  ///< x local spacing: from here on the winding number alone decides
+  /// Where the first solid has handles, a second one with voxels of this many times the size is
+  /// made; the first stays unless the second has fewer handles and as many parts. 0: never.
+  double second_voxel_ratio = 0.85;
+  Index maximum_genus = -1;  ///< handles beyond are cut (genus_limit.h); -1: as many as there are
   Index min_component_samples = 30;  ///< solids and cavities supported by fewer samples are dropped
   int shrink_iterations = 4;
   double step = 0.5;             ///< part of the way to the target per iteration
@@ -42,8 +46,12 @@ struct InitialMeshReport {
   Index cavities = 0;
   Index dropped = 0;  ///< solids and cavities with too few samples
   double samples_with_solid_behind =
-      1.0;         ///< fraction that has solid 1 to 3 s behind it: below 0.999 is suspect
-  int levels = 0;  ///< bounding_box only
+      1.0;                  ///< fraction that has solid 1 to 3 s behind it: below 0.999 is suspect
+  double voxel_size = 0.0;  ///< x s, of the solid that was taken; 0: none was made
+  Index genus = 0;          ///< of the mesh, summed over the components
+  Index handles_refuted = 0;  ///< handles of the first solid that the second does not have
+  Index handles_cut = 0;      ///< to keep to `maximum_genus`
+  int levels = 0;             ///< bounding_box only
 };
 
 struct InitialMesh {
