@@ -18,6 +18,8 @@ constexpr char kThreads[] = "Threads";
 constexpr char kNeighbours[] = "Neighbours";
 constexpr char kVoxelSize[] = "VoxelSize";
 constexpr char kLevel[] = "Level";
+constexpr char kWidestOpening[] = "WidestOpening";
+constexpr char kMaximumGenus[] = "MaximumGenus";
 constexpr char kMinComponent[] = "MinComponentSamples";
 constexpr char kShrinkIterations[] = "ShrinkIterations";
 constexpr char kBoxLevels[] = "BoxLevels";
@@ -98,12 +100,31 @@ Parameter selected_only() {
 }
 
 Parameter openings() {
-  return choice(kOpenings, "Openings in the scan", {"Close", "Leave open"},
+  return choice(kOpenings, "Openings in the scan", {"Close", "Leave open", "Automatic"},
                 "What becomes of places without samples that are wider than about four sample "
-                "spacings.<br><b>Close</b> "
-                "spans them, and the mesh is watertight.<br><b>Leave open</b> takes the faces that "
-                "span them away, and "
-                "the mesh has a border there.");
+                "spacings.<br><b>Close</b> spans them with faces between the points around them, "
+                "and the mesh is watertight. Their face quality tells these faces from others: "
+                "the longest edge in sample spacings, 0 elsewhere.<br><b>Leave open</b> takes "
+                "these faces away, and the mesh has a border there.<br><b>Automatic</b> spans "
+                "openings up to a width, see below, and leaves wider ones open.");
+}
+
+Parameter widest_opening() {
+  return advanced(number(Kind::real, kWidestOpening, "Widest opening to span (spacings)", 30.0, 4.0,
+                         kMostElements,
+                         "For the automatic choice: openings are spanned if no edge across them "
+                         "has to be longer. Raised: wider openings are closed, by larger flat "
+                         "faces. Lowered: more of them get a border. Unit: median sample spacing; "
+                         "range 4 and up; 10 to 100 are useful."));
+}
+
+Parameter maximum_genus() {
+  return advanced(number(Kind::integer, kMaximumGenus, "Greatest genus (-1: any)", -1, -1,
+                         kMostElements,
+                         "Robust method: how many handles (holes through the object, like that of "
+                         "a cup's ear) the mesh may have. -1: as many as the samples show. 0 "
+                         "suits busts, teeth and bones: handles beyond are cut where they are "
+                         "thinnest. Unit: handles; -1 and up."));
 }
 
 Parameter threads() {
@@ -232,10 +253,10 @@ std::vector<Parameter> reconstruct_parameters() {
                        "faces that span an opening their longest edge in sample spacings: see "
                        "them with \"Colorize by vertex Quality\". Takes about twice the memory.")),
   };
+  list.push_back(widest_opening());
+  list.push_back(maximum_genus());
   append(list, solid_parameters());
-  list.push_back(fit_iterations());
   list.push_back(repair_intersections());
-  list.push_back(count_intersections());
   return list;
 }
 
@@ -312,6 +333,7 @@ std::vector<Parameter> parameters_of(Filter filter) {
       break;
     case Filter::initial_mesh:
       list = {samples_layer(), selected_only(), method()};
+      list.push_back(maximum_genus());
       append(list, solid_parameters());
       append(list, shrink_parameters());
       break;
@@ -341,6 +363,7 @@ std::vector<Parameter> parameters_of(Filter filter) {
               selected_only(),
               method(),
               openings(),
+              widest_opening(),
               repair_intersections()};
       break;
     case Filter::matching_report:
@@ -395,8 +418,11 @@ FilterRequest request_of(Filter filter, const ParameterValues& values) {
   if (reader.is_on(kAttraction)) reader.read(kAttraction, options.parametric_surface.attraction);
   reader.read(kRepairIntersections, options.intersection_repair.enabled);
   reader.read(kCountIntersections, options.report.count_self_intersections);
-  if (reader.is_on(kOpenings))
-    options.complete_matching.openings = CompleteMatchingOptions::Openings::leave_open;
+  int openings = static_cast<int>(options.complete_matching.openings);
+  reader.read(kOpenings, openings);
+  options.complete_matching.openings = static_cast<CompleteMatchingOptions::Openings>(openings);
+  reader.read(kWidestOpening, options.complete_matching.widest_opening);
+  reader.read(kMaximumGenus, options.initial_mesh.maximum_genus);
 
   if (const Index target = options.control_mesh.target_vertices; target > 0 && target < 4)
     throw InvalidInput("the parameter " + std::string(kControlVertices) + " is " +

@@ -101,10 +101,29 @@ void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings
     warnings.push_back(formatted("%.2f", 100.0 * (1.0 - report.samples_with_solid_behind)) +
                        " % of the samples have no solid behind them: walls may be thinner than the "
                        "cloud resolves.");
+  if (report.handles_refuted > 0)
+    warnings.push_back(count_of(report.handles_refuted, "handle") +
+                       " of the first solid left out: one of voxels of " +
+                       formatted("%.2f", report.voxel_size) +
+                       " spacings, which was taken in its place, does not have " +
+                       (report.handles_refuted == 1 ? "it." : "them."));
+  if (report.handles_cut > 0)
+    warnings.push_back(count_of(report.handles_cut, "handle") +
+                       " cut to keep to the greatest genus asked for.");
   if (report.dropped > 0)
     warnings.push_back(
         count_of(report.dropped, "small body or cavity", "small bodies or cavities") +
         " left out: see MinComponentSamples.");
+}
+
+std::string openings_line(const OpeningsReport& report) {
+  std::string line = "Openings: ";
+  if (report.spanned > 0)
+    line += std::to_string(report.spanned) + " spanned (longest edge " +
+            formatted("%.1f", report.longest_edge) + " spacings; face quality above 0)";
+  if (report.left_open > 0)
+    line += (report.spanned > 0 ? ", " : "") + std::to_string(report.left_open) + " left open";
+  return line;
 }
 
 void warn_of(const CompleteMatchingReport& report, std::vector<std::string>& warnings) {
@@ -133,7 +152,7 @@ PointCloud prepare(const FilterInput& input, const ReconstructionOptions& option
 }
 
 PointCloud prepare_oriented(const FilterInput& input, const ReconstructionOptions& options,
-                                 Progress& progress, FilterOutcome& outcome) {
+                            Progress& progress, FilterOutcome& outcome) {
   PointCloud cloud = prepare(input, options, progress, outcome);
   warn_of(orient_normals(cloud, options.orientation, progress), outcome.warnings);
   return cloud;
@@ -166,6 +185,8 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   warn_of(result.intersection_repair, outcome.warnings);
   if (result.intersection_repair.faces_before > 0)
     outcome.log.insert(outcome.log.end() - 1, repair_line(result.intersection_repair));
+  if (result.openings.spanned + result.openings.left_open > 0)
+    outcome.log.insert(outcome.log.end() - 1, openings_line(result.openings));
 
   outcome.marked_faces = std::move(result.intersection_repair.remaining_faces);
   outcome.layer_suffix =
@@ -301,11 +322,16 @@ FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterIn
   FilterOutcome outcome;
   const PointCloud cloud = prepare(input, request.options, progress, outcome);
   CompleteMatching matching = matching_of(input, cloud);
+  const CompleteMatchingOptions& options = request.options.complete_matching;
+  matching.spanning_faces = input.marked_faces;
+  if (options.openings == CompleteMatchingOptions::Openings::leave_open)
+    matching.opening_faces = input.marked_faces;
+  const OpeningsReport openings =
+      decide_openings(matching, cloud.size(), cloud.spacing, options, progress);
+  if (openings.spanned + openings.left_open > 0) outcome.log.push_back(openings_line(openings));
+  const std::vector<Index>& dropped = matching.opening_faces;
   const EdgeOptimisationReport report = optimise_edges(
-      matching.mesh, request.options.edge_optimisation, progress, input.marked_faces);
-  const bool leave_open =
-      request.options.complete_matching.openings == CompleteMatchingOptions::Openings::leave_open;
-  const std::vector<Index> dropped = leave_open ? input.marked_faces : std::vector<Index>();
+      matching.mesh, request.options.edge_optimisation, progress, matching.spanning_faces);
   outcome.log.push_back(count_of(report.flips, "edge") + " re-chosen");
   if (request.options.intersection_repair.enabled) {
     const RepairReport repair = repair_self_intersections(
@@ -318,6 +344,9 @@ FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterIn
   outcome.log.push_back(surface_verdict("edge optimisation", matching.mesh));
   outcome.mesh = to_result(matching, cloud, input.points);
   drop_faces(outcome.mesh, dropped);
+  outcome.mesh.face_quality =
+      spanning_lengths(outcome.mesh, indices_after_drop(matching.spanning_faces, dropped),
+                       cloud.frame.to_input_length(cloud.spacing));
   outcome.layer_suffix = "shrink wrap";
   return outcome;
 }

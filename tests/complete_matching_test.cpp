@@ -10,7 +10,7 @@
 
 #include "close_openings.h"
 #include "expect_mesh.h"
-#include "membranes.h"
+#include "openings.h"
 #include "orientation.h"
 #include "self_intersection.h"
 #include "shapes.h"

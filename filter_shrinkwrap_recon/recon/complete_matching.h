@@ -17,10 +17,15 @@ struct CompleteMatchingOptions {
   Method method = Method::retile;
   /// What becomes of openings in the scan: places where the parametric surface is far from every
   /// sample.
-  enum class Openings { close, leave_open };
+  enum class Openings {
+    close,       ///< faces between the samples around span them
+    leave_open,  ///< border loops
+    automatic,   ///< spanned up to a width, left open beyond (openings.h)
+  };
   Openings openings = Openings::close;
-  double membrane_low = 2.0;   ///< x spacing: farther vertices belong to a membrane ...
-  double membrane_high = 4.0;  ///< x spacing: ... if they are connected to one at least this far
+  double widest_opening = 30.0;  ///< automatic: longest edge of the faces that span, x spacing
+  double membrane_low = 2.0;     ///< x spacing: farther vertices belong to a membrane ...
+  double membrane_high = 4.0;    ///< x spacing: ... if they are connected to one at least this far
 };
 
 struct CompleteMatchingReport {
@@ -36,8 +41,10 @@ struct CompleteMatchingReport {
 struct CompleteMatching {
   SurfaceMesh mesh;  ///< vertex i stands for sample_of_vertex[i]; retile: for sample i
   std::vector<SampleId>
-      sample_of_vertex;              ///< SampleId::none for extra vertices; otherwise one to one
-  std::vector<Index> opening_faces;  ///< faces that `leave_open` will drop, ascending
+      sample_of_vertex;  ///< SampleId::none for extra vertices; otherwise one to one
+  /// Faces to be dropped in the end, ascending: where openings stay open (for `automatic` filled in
+  /// by decide_openings).
+  std::vector<Index> opening_faces;
   /// Faces that span openings, whether to be dropped or not, ascending: edge optimisation must
   /// leave them alone (a flip would spoil the border, or cut another face).
   std::vector<Index> spanning_faces;

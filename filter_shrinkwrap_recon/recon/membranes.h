@@ -20,10 +20,4 @@ Membranes find_membranes(const SurfaceMesh& surface, const SampleFeet& feet,
                          const PointCloud& cloud, const VoxelSearch& search, double low,
                          double high, Progress& progress);
 
-/// The faces to drop so that the membranes become openings with clean borders, ascending: those
-/// that hold a vertex from `first_extra` on, and a few more or less, so that every vertex has one
-/// fan of faces left, and every vertex below `first_extra` at least one face. Pre: closed mesh.
-std::vector<Index> faces_of_openings(const SurfaceMesh& mesh, Index first_extra,
-                                     Progress& progress);
-
 }  // namespace shrinkwrap

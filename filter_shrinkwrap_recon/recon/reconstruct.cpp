@@ -68,7 +68,7 @@ class StageLog {
 void check_promise(const Reconstruction& result, const ReconstructionOptions& options) {
   const MeshReport& report = result.report;
   const bool may_be_open =
-      options.complete_matching.openings == CompleteMatchingOptions::Openings::leave_open;
+      options.complete_matching.openings != CompleteMatchingOptions::Openings::close;
   const auto fail = [](const std::string& part) {
     throw ReconstructionFailed(
         "the mesh would not be " + part +
@@ -134,13 +134,16 @@ Reconstruction run(const std::vector<Vec3>& points, const ReconstructionOptions&
     CompleteMatching matching =
         match_samples(std::move(mesh), cloud, cloud.search, options.complete_matching, progress);
     result.complete_matching = matching.report;
-    const auto with_qualities = [&](ResultMesh stage, const std::vector<Index>& spanning) {
-      stage.vertex_quality = distances_from_surface(stage, surface, cloud.frame, progress);
-      stage.face_quality = spanning_lengths(stage, spanning, result.spacing);
-      return stage;
+    result.openings =
+        decide_openings(matching, cloud.size(), cloud.spacing, options.complete_matching, progress);
+    const auto distances = [&](const ResultMesh& stage) {
+      return distances_from_surface(stage, surface, cloud.frame, progress);
     };
     log.add(Stage::complete_matching, matching.mesh.vertex_count(), [&] {
-      return with_qualities(to_result(matching, cloud, points), matching.spanning_faces);
+      ResultMesh stage = to_result(matching, cloud, points);
+      stage.vertex_quality = distances(stage);
+      stage.face_quality = spanning_lengths(stage, matching.spanning_faces, result.spacing);
+      return stage;
     });
 
     result.edge_optimisation =
@@ -153,11 +156,11 @@ Reconstruction run(const std::vector<Vec3>& points, const ReconstructionOptions&
     drop_faces(result.mesh, matching.opening_faces);
     std::vector<Index>& remaining = result.intersection_repair.remaining_faces;
     remaining = indices_after_drop(remaining, matching.opening_faces);
+    result.mesh.face_quality = spanning_lengths(
+        result.mesh, indices_after_drop(matching.spanning_faces, matching.opening_faces),
+        result.spacing);
     log.add(Stage::edge_optimisation, matching.mesh.vertex_count());
-    if (options.keep_stages)
-      result.mesh =
-          with_qualities(std::move(result.mesh),
-                         indices_after_drop(matching.spanning_faces, matching.opening_faces));
+    if (options.keep_stages) result.mesh.vertex_quality = distances(result.mesh);
   }
 
   progress.begin(Stage::report);

@@ -10,6 +10,7 @@
 #include "initial_mesh.h"
 #include "intersection_repair.h"
 #include "mesh_report.h"
+#include "openings.h"
 #include "orientation.h"
 #include "parametric_surface.h"
 #include "point_cloud.h"
@@ -30,9 +31,9 @@ struct ReconstructionOptions {
   HostScalar host_scalar = HostScalar::single_precision;
   bool stop_at_parametric_surface =
       false;  ///< for noisy clouds: a smooth closed surface near the samples
-  /// Return the mesh of every stage too, the box before them if it is the start; the complete
-  /// matching and the result then carry qualities: the distance of each vertex from the parametric
-  /// surface (input length), the longest edge of each face that spans an opening (x spacing).
+  /// Return the mesh of every stage too, the box before them if it is the start; the vertices of
+  /// the complete matching and of the result then carry a quality: their distance from the
+  /// parametric surface (input length).
   bool keep_stages = false;
   std::uint64_t memory_limit =
       0;            ///< bytes; 0: what the machine has available. More is refused beforehand
@@ -51,6 +52,8 @@ struct StageRecord {
 };
 
 struct Reconstruction {
+  /// Faces that span an opening carry their longest edge (x spacing) as quality, others 0; none has
+  /// a quality if none spans.
   ResultMesh mesh;                  ///< vertex i is the i-th distinct sample in the caller's order
   std::vector<StageRecord> stages;  ///< the rows of table 1, in order
   ConditioningReport conditioning;
@@ -58,6 +61,7 @@ struct Reconstruction {
   InitialMeshReport initial_mesh;
   ParametricSurfaceReport parametric_surface;
   CompleteMatchingReport complete_matching;
+  OpeningsReport openings;
   EdgeOptimisationReport edge_optimisation;
   RepairReport intersection_repair;  ///< `remaining_faces` are faces of `mesh`
   MeshReport report;

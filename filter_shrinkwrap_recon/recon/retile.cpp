@@ -7,6 +7,7 @@
 #include "delaunay_flips.h"
 #include "insert_feet.h"
 #include "membranes.h"
+#include "openings.h"
 #include "parallel.h"
 #include "sample_feet.h"
 #include "vertex_removal.h"
@@ -134,11 +135,11 @@ CompleteMatching retile(SurfaceMesh parametric, const PointCloud& cloud, const V
   progress.set_range(0.95, 1.0);
   if (mesh.vertex_count() > samples) drop_components_without_samples(mesh, samples, progress);
   if (mesh.vertex_count() > samples && membranes.count > 0) {
-    if (options.openings == Openings::close) {
-      result.spanning_faces = close_and_renumber(mesh, samples, progress);
-    } else {
+    if (options.openings == Openings::leave_open) {
       result.opening_faces = faces_of_openings(mesh, samples, progress);
       result.spanning_faces = result.opening_faces;
+    } else {
+      result.spanning_faces = close_and_renumber(mesh, samples, progress);
     }
   }
   result.sample_of_vertex.assign(mesh.position.size(), SampleId::none);

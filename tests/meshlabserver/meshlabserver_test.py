@@ -176,7 +176,7 @@ class OneShotFailures(HostTest):
     def test_values_out_of_range(self):
         write_ply(self.cloud, sphere(500))
         for name, value in (("VoxelSize", -1), ("VoxelSize", "nan"), ("Level", 5), ("Neighbours", 2), ("Method", 7),
-                            ("Threads", -3), ("FitIterations", -2), ("Openings", -1)):
+                            ("Threads", -3), ("MaximumGenus", -2), ("WidestOpening", 0), ("Openings", -1)):
             with self.subTest(name=name, value=value):
                 self.fails(name, ONE_SHOT, (name, value))
 

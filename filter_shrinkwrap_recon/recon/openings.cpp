@@ -1,0 +1,192 @@
+#include "openings.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace shrinkwrap {
+namespace {
+
+// Chooses the faces that stay.
+class OpeningCutter {
+ public:
+  OpeningCutter(const SurfaceMesh& mesh, Index first_extra)
+      : mesh_(mesh), first_extra_(first_extra), stays_(mesh.face_slots(), 1) {}
+
+  // Drops these faces, but for what must stay and with what must go too. Returns what goes.
+  std::vector<Index> cut(const std::vector<Index>& faces, Progress& progress) {
+    for (const Index f : faces) set_stays(f, 0);
+    // Dropping can only shrink what stays; the pinches and lost samples that it cannot mend are
+    // mended by keeping faces, which can only grow it: both come to an end.
+    const std::vector<Index> along_borders = changed_;
+    mend(progress, [&](Index v) {
+      if (fans(v) > 1) drop_small_fans(v);
+    });
+    changed_.insert(changed_.end(), along_borders.begin(), along_borders.end());
+    mend(progress, [&](Index v) {
+      if (fans(v) > 1 || (v < first_extra_ && staying_faces(v) == 0)) keep_all_faces(v);
+    });
+    std::vector<Index> dropped;
+    for (Index f = 0; f < mesh_.face_slots(); ++f)
+      if (!stays_[f]) dropped.push_back(f);
+    return dropped;
+  }
+
+ private:
+  // Calls `mend_vertex` for the vertices around changed faces until none is left.
+  template <class MendVertex>
+  void mend(Progress& progress, const MendVertex& mend_vertex) {
+    while (!changed_.empty()) {
+      std::vector<Index> pending;
+      pending.swap(changed_);
+      std::sort(pending.begin(), pending.end());
+      pending.erase(std::unique(pending.begin(), pending.end()), pending.end());
+      for (const Index v : pending) mend_vertex(v);
+      progress.update(0.5);
+    }
+  }
+
+  void set_stays(Index f, char stays) {
+    if (stays_[f] == stays) return;
+    stays_[f] = stays;
+    for (const Index v : mesh_.triangle(f)) changed_.push_back(v);
+  }
+  bool stays(Index h) const { return stays_[SurfaceMesh::face(h)] != 0; }
+  bool begins_fan(Index h) const { return stays(h) && !stays(mesh_.twin(h)); }
+
+  Index fans(Index v) const {
+    Index count = 0;
+    mesh_.for_each_outgoing(v, [&](Index h) { count += begins_fan(h); });
+    return count;
+  }
+  Index staying_faces(Index v) const {
+    Index count = 0;
+    mesh_.for_each_outgoing(v, [&](Index h) { count += stays(h); });
+    return count;
+  }
+
+  // Drops the fans of v but the largest, as far as no sample loses its last face.
+  void drop_small_fans(Index v) {
+    std::vector<std::vector<Index>> fan;
+    Index h = mesh_.outgoing(v);
+    while (!begins_fan(h)) h = mesh_.rotate(h);
+    const Index first = h;
+    do {
+      if (begins_fan(h)) fan.emplace_back();
+      if (stays(h)) fan.back().push_back(SurfaceMesh::face(h));
+      h = mesh_.rotate(h);
+    } while (h != first);
+    std::size_t largest = 0;
+    for (std::size_t i = 1; i < fan.size(); ++i)
+      if (fan[i].size() > fan[largest].size()) largest = i;
+    for (std::size_t i = 0; i < fan.size(); ++i) {
+      if (i == largest) continue;
+      for (const Index f : fan[i]) {
+        bool loses_a_sample = false;
+        for (const Index u : mesh_.triangle(f))
+          loses_a_sample = loses_a_sample || (u < first_extra_ && staying_faces(u) <= 1);
+        if (!loses_a_sample) set_stays(f, 0);
+      }
+    }
+  }
+
+  void keep_all_faces(Index v) {
+    mesh_.for_each_outgoing(v, [&](Index h) { set_stays(SurfaceMesh::face(h), 1); });
+  }
+
+  const SurfaceMesh& mesh_;
+  Index first_extra_;
+  std::vector<char> stays_;     // per face
+  std::vector<Index> changed_;  // corners of the faces that changed
+};
+
+// The faces of a list, ascending, that hang together by edges.
+struct Patches {
+  std::vector<Index> of_face;  // per entry of the list
+  Index count = 0;
+};
+
+Patches find_patches(const SurfaceMesh& mesh, const std::vector<Index>& faces) {
+  const auto place_of = [&](Index f) {
+    const auto found = std::lower_bound(faces.begin(), faces.end(), f);
+    return found != faces.end() && *found == f ? static_cast<Index>(found - faces.begin()) : kNone;
+  };
+  Patches patches;
+  patches.of_face.assign(faces.size(), kNone);
+  std::vector<Index> stack;
+  for (std::size_t seed = 0; seed < faces.size(); ++seed) {
+    if (patches.of_face[seed] != kNone) continue;
+    patches.of_face[seed] = patches.count;
+    stack.push_back(static_cast<Index>(seed));
+    while (!stack.empty()) {
+      const Index f = faces[stack.back()];
+      stack.pop_back();
+      for (Index h = 3 * f; h < 3 * f + 3; ++h) {
+        const Index place = place_of(SurfaceMesh::face(mesh.twin(h)));
+        if (place == kNone || patches.of_face[place] != kNone) continue;
+        patches.of_face[place] = patches.count;
+        stack.push_back(place);
+      }
+    }
+    ++patches.count;
+  }
+  return patches;
+}
+
+double longest_edge(const SurfaceMesh& mesh, Index f) {
+  double longest = 0.0;
+  for (Index h = 3 * f; h < 3 * f + 3; ++h)
+    longest =
+        std::max(longest, (mesh.position[mesh.target(h)] - mesh.position[mesh.origin(h)]).norm());
+  return longest;
+}
+
+}  // namespace
+
+std::vector<Index> faces_of_openings(const SurfaceMesh& mesh, Index first_extra,
+                                     Progress& progress) {
+  std::vector<Index> faces;
+  for (Index f = 0; f < mesh.face_slots(); ++f) {
+    const Triangle t = mesh.triangle(f);
+    if (std::max({t[0], t[1], t[2]}) >= first_extra) faces.push_back(f);
+  }
+  return OpeningCutter(mesh, first_extra).cut(faces, progress);
+}
+
+OpeningsReport decide_openings(CompleteMatching& matching, Index samples, double spacing,
+                               const CompleteMatchingOptions& options, Progress& progress) {
+  const SurfaceMesh& mesh = matching.mesh;
+  std::vector<Index>& spanning = matching.spanning_faces;
+  OpeningsReport report;
+  if (spanning.empty()) return report;
+  const Patches patches = find_patches(mesh, spanning);
+  std::vector<double> width(static_cast<std::size_t>(patches.count), 0.0);  // of each patch
+  for (std::size_t i = 0; i < spanning.size(); ++i) {
+    double& widest = width[patches.of_face[i]];
+    widest = std::max(widest, longest_edge(mesh, spanning[i]) / spacing);
+  }
+  const auto is_left_open = [&](Index patch) {
+    return options.openings == CompleteMatchingOptions::Openings::leave_open ||
+           (options.openings == CompleteMatchingOptions::Openings::automatic &&
+            width[patch] > options.widest_opening);
+  };
+  for (Index patch = 0; patch < patches.count; ++patch) {
+    if (is_left_open(patch)) {
+      ++report.left_open;
+    } else {
+      ++report.spanned;
+      report.longest_edge = std::max(report.longest_edge, width[patch]);
+    }
+  }
+  if (options.openings == CompleteMatchingOptions::Openings::automatic && report.left_open > 0) {
+    std::vector<Index> wide, both;
+    for (std::size_t i = 0; i < spanning.size(); ++i)
+      if (is_left_open(patches.of_face[i])) wide.push_back(spanning[i]);
+    matching.opening_faces = OpeningCutter(mesh, samples).cut(wide, progress);
+    std::set_union(spanning.begin(), spanning.end(), matching.opening_faces.begin(),
+                   matching.opening_faces.end(), std::back_inserter(both));
+    spanning = std::move(both);
+  }
+  return report;
+}
+
+}  // namespace shrinkwrap
