@@ -139,6 +139,31 @@ TEST(Orientation, SaysThatASheetHasNoOutside) {
     ASSERT_GT(cloud.normal[i].dot(cloud.normal[0]), 0.5f);
 }
 
+// Whichever sign the samples happened to come with: a terrain faces up, a wall along its axis.
+TEST(Orientation, OpenSheetsFaceUp) {
+  for (const int axis : {2, 1, 0})
+    for (const double direction : {1.0, -1.0}) {
+      Random random(7);
+      std::vector<Vec3> points;
+      for (Index i = 0; i < 4000; ++i) {
+        const double x = random.uniform(-1.0, 1.0), y = random.uniform(-1.0, 1.0);
+        Vec3 p;
+        p[(axis + 1) % 3] = x;
+        p[(axis + 2) % 3] = y;
+        p[axis] = direction * 0.1 * x * y;
+        points.push_back(p);
+      }
+      const PointCloud sheet = [&] {
+        PointCloud cloud = prepare(points);
+        orient(cloud);
+        return cloud;
+      }();
+      Index down = 0;
+      for (const Vec3f& normal : sheet.normal) down += normal[axis] < 0.0f;
+      EXPECT_EQ(down, 0) << "axis " << axis << ", direction " << direction;
+    }
+}
+
 TEST(Orientation, DoesNotDependOnTheSignsItIsGiven) {
   PointCloud cloud = prepare(sample_shape(ShapeKind::torus, 5000, 7));
   PointCloud flipped = cloud;

@@ -11,10 +11,11 @@ namespace shrinkwrap {
 namespace {
 
 constexpr Index kGrain = 1 << 12;
-constexpr int kMostLayers = 8;            // of components within components
-constexpr Index kDrawnPerComponent = 32;  // at least, of each that has as many
-constexpr double kDepthTolerance = 0.7;   // x spacing of the samples drawn
-constexpr int kPlaneNeighbours = 14;      // of the Gaussian mean, the sample included
+constexpr int kMostLayers = 8;              // of components within components
+constexpr Index kDrawnPerComponent = 32;    // at least, of each that has as many
+constexpr double kDepthTolerance = 0.7;     // x spacing of the samples drawn
+constexpr double kLeastSheetNormal = 0.25;  // length of the mean normal of an open sheet, at least
+constexpr int kPlaneNeighbours = 14;        // of the Gaussian mean, the sample included
 
 // Chooses a sign for every component, layer by layer from outside.
 class ComponentSigns {
@@ -37,7 +38,11 @@ class ComponentSigns {
       for (std::size_t c = 0; c < components; ++c) {
         if (!waiting_[c] || is_hidden(votes[c])) continue;
         // What is enclosed by one layer is seen from within the body, by two from outside again.
-        const double outward = layer % 2 == 0 ? votes[c].outward : -votes[c].outward;
+        double outward = layer % 2 == 0 ? votes[c].outward : -votes[c].outward;
+        if (is_close(votes[c])) {
+          const double upward = upward_of_sheet(static_cast<Index>(c));
+          if (upward != 0.0) outward = upward;
+        }
         flip[c] = outward < 0.0;
         waiting_[c] = 0;
         ++decided;
@@ -58,6 +63,23 @@ class ComponentSigns {
   }
   bool is_close(const VisibilityVote& vote) const {
     return std::abs(vote.majority()) < options_.least_vote;
+  }
+
+  // What is seen from either side alike may be an open sheet, such as a terrain: then the side
+  // towards +z (or +y, +x where it stands upright). 0 for what closes on itself.
+  double upward_of_sheet(Index component) const {
+    const Vec3 sum = parallel_sum<Vec3>(cloud_.size(), kGrain, progress_, Vec3(Vec3::Zero()),
+                                        [&](Index begin, Index end) {
+                                          Vec3 part = Vec3::Zero();
+                                          for (Index i = begin; i < end; ++i)
+                                            if (forest_.component_of_sample[i] == component)
+                                              part += cloud_.normal[i].cast<double>();
+                                          return part;
+                                        });
+    if (sum.norm() < kLeastSheetNormal * size_[component]) return 0.0;
+    for (const int axis : {2, 1, 0})
+      if (std::abs(sum[axis]) > 0.1 * sum.norm()) return sum[axis];
+    return 0.0;
   }
 
   // Votes on the components that are waiting. Coarse drawings see through thin parts, so that votes

@@ -29,7 +29,8 @@ struct OrientationReport {
 /// per connected component of the graph from visibility: the side that more orthographic views see
 /// is outside. Components that nobody sees are drawn again without those that were seen: one layer
 /// in they bound a cavity of the body, two layers in a body within the cavity, and so on. Then
-/// computes the tangent planes. Undecided components keep the sign of the majority, however small.
+/// computes the tangent planes. Undecided components keep the sign of the majority, however small,
+/// unless they are open sheets: these face +z (or +y, +x if they stand upright), as terrains do.
 /// O(N) expected time but for the union-find, O(N) memory, the same for any number of threads.
 OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& options,
                                  Progress& progress);
