@@ -58,7 +58,7 @@ find_library(SHRINKWRAP_MESHLAB_COMMON meshlab-common PATH_SUFFIXES meshlab REQU
              PATHS /usr/lib/${CMAKE_LIBRARY_ARCHITECTURE})
 get_filename_component(meshlab_library_dir ${SHRINKWRAP_MESHLAB_COMMON} DIRECTORY)
 set(MESHLAB_PLUGIN_DIR ${meshlab_library_dir}/plugins)
-get_filename_component(meshlab_prefix ${meshlab_library_dir}/../../.. ABSOLUTE)
+string(REGEX REPLACE "/lib[^/]*(/[^/]+)?/meshlab$" "" meshlab_prefix ${meshlab_library_dir})  # with a triplet, or not
 set(MESHLAB_SERVER ${meshlab_prefix}/bin/meshlabserver)  # later generations have none
 
 find_package(Qt5 REQUIRED COMPONENTS Core Gui Widgets OpenGL Xml)
