@@ -43,7 +43,7 @@ if [ "${1:-}" != --inside ]; then
       case $picture in
         menu) taken=menu ;;
         dialog) taken=1_dialog ;;
-        result) taken=1_result ;;
+        result) taken=1_mesh ;;
       esac
       convert "$build/screenshots/$readme_cloud/$taken.png" +dither -colors 96 -strip -define png:compression-level=9 \
         "PNG8:$root/docs/pictures/meshlab_$picture.png"
@@ -64,6 +64,7 @@ openbox >/dev/null 2>&1 &
 windows=$!
 "$build/stage/bin/meshlab" "$cloud" >"$log" 2>&1 &
 host=$!
+# shellcheck disable=SC2317  # for the trap
 finish() {
   kill "$host" "$windows" 2>/dev/null || :
   rm -rf "$home"
@@ -100,8 +101,19 @@ click() { # x, y
   sleep 0.2
   xdotool click 1
 }
+# A click on the eye of the first layer, and one that brings it back. The eye is a little to the right of the layer list's
+# left edge, where the row of the current layer, which is the second, has the colour of what is selected.
+take_without_points() {
+  edge=$(convert "$pictures/1_result.png" -crop "${width}x1+0+154" -depth 8 txt:- |
+    sed -n 's/^\([0-9]*\),0: .*#308CC6.*/\1/p' | head -n 1)
+  [ -n "$edge" ] || give_up "no second layer in the list of layers"
+  click $((edge + 21)) 133
+  take 1_mesh
+  click $((edge + 21)) 133
+}
 window_named() { xdotool search --onlyvisible --name "$1"; }
 verdicts() { grep -c '^LOG: [0-9]* Shrink Wrap [sf]' "$log" || :; }
+# shellcheck disable=SC2317  # for wait_for
 has_verdicts() { [ "$(verdicts)" -ge "$1" ]; }
 
 wait_for 120 grep -q 'All files opened' "$log"
@@ -113,6 +125,7 @@ take opened
 # The menu Filters, and in it the fourteenth entry, Point Set.
 click 121 29
 xdotool key --delay 60 Down Down Down Down Down Down Down Down Down Down Down Down Down Down Right
+xdotool key --delay 60 Up # to the last: Surface Reconstruction
 take menu
 xdotool key --delay 100 Escape Escape Escape
 
@@ -130,6 +143,7 @@ while read -r filter; do
   take "${number}_dialog"
 
   eval "$(xdotool search --onlyvisible --name "^$filter\$" getwindowgeometry --shell)"
+  # shellcheck disable=SC2153  # WIDTH and HEIGHT are xdotool's
   echo "$filter: dialog of $WIDTH x $HEIGHT"
   if [ $((Y + HEIGHT)) -gt $height ] || [ $((X + WIDTH)) -gt $width ]; then
     say "$filter: the dialog does not fit a screen of $width x $height"
@@ -143,6 +157,7 @@ while read -r filter; do
   case $verdict in *failed*) status=1 ;; esac
   click $((X + WIDTH / 4)) $((Y + HEIGHT - 22)) # Close
   take "${number}_result"
+  [ $number -gt 1 ] || take_without_points
 done <<'FILTERS'
 Surface Reconstruction: Shrink Wrap
 Shrink Wrap: Initial Mesh

@@ -137,10 +137,9 @@ Parameter threads() {
 Parameter neighbours() {
   return advanced(number(Kind::integer, kNeighbours, "Neighbours (samples)", 16, 6, 64,
                          "Nearest samples from which spacing and normal of a sample are taken. "
-                         "Raised: steadier on noisy "
-                         "clouds, blurs thin walls and sharp edges. Lowered: finer detail, less "
-                         "steady (12 already loses "
-                         "thin walls). Unit: samples; range 6 to 64."));
+                         "Raised: steadier on noisy clouds, blurs thin walls and sharp edges. "
+                         "Lowered: finer detail, less steady (12 already loses thin walls). Unit: "
+                         "samples; range 6 to 64."));
 }
 
 Parameter repair_intersections() {
@@ -187,28 +186,28 @@ std::vector<Parameter> shrink_parameters() {
   return {
       advanced(number(Kind::integer, kShrinkIterations, "Shrink iterations", 4, 0, 200,
                       "Robust method: steps in which the first mesh moves onto the samples. "
-                      "Raised: closer and smoother, "
-                      "slower; 3 to 10 are useful. Range 0 to 200.")),
-      advanced(number(Kind::integer, kBoxLevels, "Box subdivisions", -1, -1, 10,
-                      "As in the paper: how often the bounding box is split one to four; -1: as "
-                      "often as leaves at least "
-                      "four samples for a vertex. Each one more gives four times the vertices. "
-                      "Range -1 to 10.")),
-      advanced(number(Kind::real, kProjection, "Projection", 0.85, 0.05, 1.0,
+                      "Raised: closer and smoother, slower. Lowered: faster, and the edges of the "
+                      "voxels stay visible. Unit: steps; range 0 to 200, 3 to 10 are useful.")),
+      advanced(number(Kind::integer, kBoxLevels, "Box subdivisions (-1: automatic)", -1, -1, 10,
+                      "As in the paper: how often every face of the bounding box is split into "
+                      "four; -1: as often as leaves at least four samples for a vertex. Raised: "
+                      "finer, four times the vertices for each one more. Lowered: coarser, detail "
+                      "is left to the later stages. Range -1 to 10.")),
+      advanced(number(Kind::real, kProjection, "Projection step (0 to 1)", 0.85, 0.05, 1.0,
                       "As in the paper (eq. 5): the part of the way to its nearest sample that a "
-                      "vertex goes in one step. "
-                      "Raised towards 1: faster, vertices crowd at samples. Lowered: needs more "
-                      "steps. Range 0.05 to 1.")),
-      advanced(number(Kind::real, kBoxRelaxation, "Relaxation", 0.2, 0.0, 0.5,
+                      "vertex goes in one step. Raised towards 1: faster, vertices crowd at "
+                      "samples. Lowered: needs more steps, vertices stay evenly spread. No unit; "
+                      "range 0.05 to 1.")),
+      advanced(number(Kind::real, kBoxRelaxation, "Relaxation step (0 to 0.5)", 0.2, 0.0, 0.5,
                       "As in the paper (eq. 8): how much vertices spread evenly along the surface "
-                      "in one step. Raised: "
-                      "more even, less close. Range 0 to 0.5.")),
+                      "in one step. Raised: more even, less close to the samples. Lowered: closer, "
+                      "uneven. No unit; range 0 to 0.5.")),
   };
 }
 
 Parameter control_vertices() {
   return advanced(number(
-      Kind::integer, kControlVertices, "Control vertices", 0, 0, kMostElements,
+      Kind::integer, kControlVertices, "Control vertices (0: automatic)", 0, 0, kMostElements,
       "Vertices of the control mesh; 0: the number from which two subdivisions come nearest to the "
       "number of samples. Raised: follows finer detail, and noise. Lowered: smoother surface "
       "before the "
@@ -216,17 +215,21 @@ Parameter control_vertices() {
 }
 
 Parameter fit_iterations() {
-  return advanced(number(Kind::integer, kFitIterations, "Fitting iterations", 5, 0, 200,
-                         "Steps in which the surface moves onto the samples after each "
-                         "subdivision (half as many after the last). Raised: closer, slower; 4 to "
-                         "8 are useful. Lowered: smoother. Range 0 to 200."));
+  return advanced(
+      number(Kind::integer, kFitIterations, "Fitting iterations", 5, 0, 200,
+             "Steps in which the surface moves onto the samples after each "
+             "subdivision (half as many after the last). Raised: closer, slower; 4 to "
+             "8 are useful. Lowered: smoother, farther from the samples. Unit: steps; range 0 "
+             "to 200."));
 }
 
 Parameter attraction() {
-  return advanced(number(Kind::real, kAttraction, "Attraction", 0.0, 0.0, 1.0,
-                         "Lambda of eq. 14: the part of the way to the samples that a vertex goes "
-                         "in one step; 0: what the method has (Robust 0.7, As in the paper 0.85). "
-                         "Raised: closer and faster, less even. Range 0 to 1."));
+  return advanced(
+      number(Kind::real, kAttraction, "Attraction (0: automatic)", 0.0, 0.0, 1.0,
+             "Lambda of eq. 14: the part of the way to the samples that a vertex goes "
+             "in one step; 0: what the method has (Robust 0.7, As in the paper 0.85). "
+             "Raised: closer and faster, less even. Lowered: smoother, farther from the "
+             "samples. No unit; range 0 to 1."));
 }
 
 void append(std::vector<Parameter>& list, const std::vector<Parameter>& more) {

@@ -1,6 +1,7 @@
 #include "filter_shrinkwrap_recon.h"
 
 #include <QFileInfo>
+#include <initializer_list>
 #include <new>
 
 #include "filter_runs.h"
@@ -24,85 +25,74 @@ constexpr int kCarriedData =
 const char* const kReference =
     "<br><br>See:<br><b>\"Complete 3D Surface Reconstruction from Unstructured Point Cloud\"</b> ";
 
-// The section of the paper, and whose method it builds on.
-QString reference(const char* section, const char* more = "") {
-  return QString(kReference) + section + "<br>" + more;
+// The section of the paper, and whose methods it builds on.
+QString reference(const char* section, std::initializer_list<const char*> methods = {}) {
+  QString text = QString(kReference) + section;
+  for (const char* method : methods) text += QString("<br>") + method;
+  return text;
 }
 
 const char* const kShrinkWrapping =
     "<i>L. Kobbelt, J. Vorsatz, U. Labsik, H.-P. Seidel</i> <b>\"A Shrink Wrapping Approach to "
-    "Remeshing "
-    "Polygonal Surfaces\"</b> Computer Graphics Forum 18(3), 1999<br>";
+    "Remeshing Polygonal Surfaces\"</b> Computer Graphics Forum 18(3), 1999";
 const char* const kWindingNumbers =
     "<i>G. Barill, N. Dickson, R. Schmidt, D. Levin, A. Jacobson</i> <b>\"Fast Winding Numbers for "
-    "Soups and "
-    "Clouds\"</b> ACM Transactions on Graphics 37(4), 2018<br>";
+    "Soups and Clouds\"</b> ACM Transactions on Graphics 37(4), 2018";
 const char* const kQuadrics =
     "<i>M. Garland, P. Heckbert</i> <b>\"Surface Simplification Using Quadric Error Metrics\"</b> "
-    "SIGGRAPH 1997<br>";
+    "SIGGRAPH 1997";
 const char* const kFitting =
     "<i>H. Suzuki, S. Takeuchi, T. Kanai</i> <b>\"Subdivision Surface Fitting to a Range of "
-    "Points\"</b> Pacific "
-    "Graphics 1999<br>";
+    "Points\"</b> Pacific Graphics 1999";
 const char* const kRetiling =
-    "<i>G. Turk</i> <b>\"Re-Tiling Polygonal Surfaces\"</b> SIGGRAPH 1992<br>";
+    "<i>G. Turk</i> <b>\"Re-Tiling Polygonal Surfaces\"</b> SIGGRAPH 1992";
 
+// Short: the dialog of 2020.09 reserves less height for long texts than they take, and then covers
+// its last parameter with its buttons.
 QString help_of(Filter filter) {
   switch (filter) {
     case Filter::reconstruct:
       return "Makes a <b>watertight 2-manifold mesh whose vertices are exactly the points</b> of "
-             "the current layer: every point is one vertex, at its own coordinates. <b>No normals "
-             "are needed</b>; colours, qualities, radii and custom attributes of the points are "
-             "kept. The mesh is a new layer; to undo, delete it.<br>"
-             "Use it for raw scans of solid objects when every measured point counts: reverse "
-             "engineering, duplication of parts. If the points are noisy, stop at the parametric "
-             "surface: a smooth closed surface near the points.<br>"
+             "the current layer, as a new layer. <b>No normals are needed</b>; colours, qualities "
+             "and custom attributes are kept.<br>"
+             "Use it when every measured point of a solid object counts. For noisy points, stop at "
+             "the parametric surface.<br>"
              "Most people need <b>none but the first four parameters</b>. The filters \"Shrink "
-             "Wrap: ...\" are its single stages, with further parameters and references." +
+             "Wrap: ...\" are its single stages." +
              reference("(all sections)");
     case Filter::initial_mesh:
       return "First stage: a <b>closed 2-manifold mesh around the samples</b>, shrunk towards "
-             "them. A new layer.<br>Use "
-             "the single stages to look at what each does, or to change a mesh between two of "
-             "them; the one-shot filter "
-             "is the same in one go." +
-             reference("section 2.2", (std::string(kShrinkWrapping) + kWindingNumbers).c_str());
+             "them. A new layer." +
+             reference("section 2.2", {kShrinkWrapping, kWindingNumbers});
     case Filter::control_mesh:
       return "Second stage: <b>simplifies the initial mesh</b> to the number of vertices from "
-             "which two subdivisions come "
-             "nearest to the number of samples. Its topology is kept. A new layer." +
-             reference("section 2.3", kQuadrics);
+             "which two subdivisions come nearest to the number of samples. Its topology is kept. "
+             "A new layer." +
+             reference("section 2.3", {kQuadrics});
     case Filter::parametric_surface:
       return "Third stage: <b>subdivides the control mesh twice</b> (Loop) and fits it to the "
-             "samples: a smooth closed "
-             "surface near them. A new layer." +
-             reference("section 2.4", kFitting);
+             "samples: a smooth closed surface near them. A new layer." +
+             reference("section 2.4", {kFitting});
     case Filter::complete_matching:
       return "Fourth stage: makes <b>every sample a vertex</b> of the parametric surface and "
-             "removes every vertex that is no "
-             "sample. The mesh stays a closed 2-manifold. A new layer; with <i>Leave open</i> or "
-             "not, the faces that span "
-             "openings of the scan are selected in it." +
-             reference("section 2.5", kRetiling);
+             "removes every vertex that is no sample. The mesh stays a closed 2-manifold. A new "
+             "layer, in which the faces that span openings of the scan are selected." +
+             reference("section 2.5", {kRetiling});
     case Filter::edge_optimisation:
       return "Last stage: <b>re-chooses the edges</b> of the complete matching for the smoothest "
-             "surface through the same "
-             "vertices. With <i>Leave open</i>, the selected faces are then taken away. A new "
-             "layer." +
-             reference("section 2.5", kQuadrics);
+             "surface through the same vertices. With <i>Leave open</i>, the selected faces are "
+             "then taken away. A new layer." +
+             reference("section 2.5", {kQuadrics});
     case Filter::matching_report:
       return "Measures a mesh against samples and writes to the log: vertices, borders, "
-             "manifoldness, genus, components, "
-             "orientation, self-intersections, and <b>how many samples are exactly one vertex</b>. "
-             "Nothing is changed.<br>"
+             "manifoldness, genus, components, orientation, self-intersections, and <b>how many "
+             "samples are exactly one vertex</b>. Nothing is changed.<br>"
              "Use it on the mesh of any reconstruction filter." +
              reference("section 2.5");
     case Filter::distance_to_samples:
       return "Sets the <b>quality of every vertex to its exact distance from the nearest "
-             "sample</b>, in the units of the "
-             "layer, by voxel-based nearest-point search. Colour the layer by quality afterwards "
-             "to see where a surface "
-             "is far from the points." +
+             "sample</b>, in the units of the layer, by voxel-based nearest-point search. Colour "
+             "the layer by quality afterwards to see where a surface is far from the points." +
              reference("section 2.1");
   }
   return {};
