@@ -1,10 +1,13 @@
 # Options, and how our own code is compiled.
+# Within another build (MeshLab's own: docs/installing.md) the choices of that one stand.
+string(COMPARE EQUAL "${CMAKE_SOURCE_DIR}" "${PROJECT_SOURCE_DIR}" shrinkwrap_is_top_level)
+
 option(SHRINKWRAP_BUILD_PLUGIN "Build the MeshLab plugin (needs MeshLab and Qt 5)" ON)
-option(SHRINKWRAP_BUILD_TESTS "Build the tests (needs GoogleTest)" ON)
-option(SHRINKWRAP_WARNINGS_AS_ERRORS "Stop at any warning of the compiler" ON)
+option(SHRINKWRAP_BUILD_TESTS "Build the tests (needs GoogleTest)" ${shrinkwrap_is_top_level})
+option(SHRINKWRAP_WARNINGS_AS_ERRORS "Stop at any warning of the compiler" ${shrinkwrap_is_top_level})
 option(SHRINKWRAP_SANITIZE "Build with the address and undefined-behaviour sanitizers" OFF)
 
-if(NOT CMAKE_BUILD_TYPE)
+if(NOT CMAKE_BUILD_TYPE AND shrinkwrap_is_top_level)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
 endif()
 set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG")

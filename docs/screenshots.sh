@@ -101,15 +101,17 @@ click() { # x, y
   sleep 0.2
   xdotool click 1
 }
-# A click on the eye of the first layer, and one that brings it back. The eye is a little to the right of the layer list's
-# left edge, where the row of the current layer, which is the second, has the colour of what is selected.
+# Hides the first layer for a picture: a click on its eye, a little to the right of the left edge of the list of layers. Where
+# that is, the colour of the current layer's row tells, which is the second and is made current again afterwards.
 take_without_points() {
   edge=$(convert "$pictures/1_result.png" -crop "${width}x1+0+154" -depth 8 txt:- |
     sed -n 's/^\([0-9]*\),0: .*#308CC6.*/\1/p' | head -n 1)
   [ -n "$edge" ] || give_up "no second layer in the list of layers"
   click $((edge + 21)) 133
+  click $((edge + 150)) 164
   take 1_mesh
   click $((edge + 21)) 133
+  click $((edge + 150)) 164
 }
 window_named() { xdotool search --onlyvisible --name "$1"; }
 verdicts() { grep -c '^LOG: [0-9]* Shrink Wrap [sf]' "$log" || :; }

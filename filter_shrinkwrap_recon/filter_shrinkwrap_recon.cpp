@@ -47,8 +47,8 @@ const char* const kFitting =
 const char* const kRetiling =
     "<i>G. Turk</i> <b>\"Re-Tiling Polygonal Surfaces\"</b> SIGGRAPH 1992";
 
-// Short: the dialog of 2020.09 reserves less height for long texts than they take, and then covers
-// its last parameter with its buttons.
+// Short: a dialog of 2020.09 that is higher than two thirds of the screen covers its last parameter
+// with its buttons.
 QString help_of(Filter filter) {
   switch (filter) {
     case Filter::reconstruct:
