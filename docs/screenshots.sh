@@ -110,6 +110,8 @@ take_without_points() {
   click $((edge + 21)) 133
   click $((edge + 150)) 164
   take 1_mesh
+  xdotool mousemove 380 460 mousedown 1 mousemove --sync 420 400 mousemove --sync 480 320 mousemove --sync 520 260 mouseup 1
+  take 1_turned
   click $((edge + 21)) 133
   click $((edge + 150)) 164
 }
