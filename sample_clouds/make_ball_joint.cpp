@@ -3,14 +3,13 @@
 //
 //   make_ball_joint OUTPUT.ply
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <string>
 
+#include "ball_joint.h"
 #include "shapes.h"
 
 namespace {
@@ -20,38 +19,6 @@ using shrinkwrap::Vec3;
 
 constexpr Index kSamples = 34267;
 constexpr std::uint64_t kSeed = 34267;
-constexpr double kFillet = 0.1;
-
-double smooth_union(double a, double b) {
-  const double h = std::max(kFillet - std::abs(a - b), 0.0) / kFillet;
-  return std::min(a, b) - 0.25 * kFillet * h * h;
-}
-
-double smooth_difference(double a, double b) {
-  return -smooth_union(-a, b);
-}
-
-double across_z(const Vec3& p) {
-  return std::sqrt(p.x() * p.x() + p.y() * p.y());
-}
-
-// Cylinder along z with rounded rims.
-double cylinder(const Vec3& p, double radius, double low, double high, double rounding) {
-  const double aside = across_z(p) - radius + rounding;
-  const double along = std::max(low - p.z(), p.z() - high) + rounding;
-  const double outside_aside = std::max(aside, 0.0), outside_along = std::max(along, 0.0);
-  return std::sqrt(outside_aside * outside_aside + outside_along * outside_along) +
-         std::min(std::max(aside, along), 0.0) - rounding;
-}
-
-// Negative inside. One body of genus 0, like the one in the paper.
-double ball_joint(const Vec3& p) {
-  const double ball = (p - Vec3(0.0, 0.0, 0.75)).norm() - 0.4;
-  const double neck = cylinder(p, 0.2, -0.2, 0.7, 0.05);
-  const double body = cylinder(p, 0.55, -0.95, 0.05, 0.06);
-  const double socket = (p - Vec3(0.0, 0.0, -1.0)).norm() - 0.43;
-  return smooth_difference(smooth_union(smooth_union(ball, neck), body), socket);
-}
 
 // Binary little-endian PLY of floats, whatever the byte order of the machine.
 bool write_ply(const char* path, const std::vector<Vec3>& points) {
@@ -79,9 +46,10 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: make_ball_joint OUTPUT.ply\n");
     return 2;
   }
-  shrinkwrap::testing::Random random(kSeed);
-  const auto samples =
-      shrinkwrap::testing::sample_implicit_blue_noise(ball_joint, {1.25, {}}, kSamples, random);
+  using namespace shrinkwrap;
+  testing::Random random(kSeed);
+  const auto samples = testing::sample_implicit_blue_noise(
+      sample_clouds::ball_joint, {sample_clouds::kBallJointRadius, {}}, kSamples, random);
   if (!write_ply(argv[1], samples.points)) {
     std::fprintf(stderr, "cannot write %s\n", argv[1]);
     return 1;
