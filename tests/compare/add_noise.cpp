@@ -1,6 +1,6 @@
 // add_noise INPUT.ply DEVIATION SEED OUTPUT.ply: moves every point of a cloud by a random amount in
-// every coordinate: mean 0, standard deviation DEVIATION x the median sample spacing. The same bytes
-// for the same seed on every machine.
+// every coordinate: mean 0, standard deviation DEVIATION x the median sample spacing. The same
+// bytes for the same seed on every machine.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>

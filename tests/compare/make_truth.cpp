@@ -5,10 +5,10 @@
 // of the faces is left as an error: about 1e-4 of the size where the surface curves most. Shares no
 // code with the reconstruction.
 // clang-format off: what follows needs the first
-#include <vcg/complex/complex.h>
-#include <vcg/space/index/grid_util.h>
 #include <vcg/complex/algorithms/create/marching_cubes.h>
 #include <vcg/complex/algorithms/create/mc_trivial_walker.h>
+#include <vcg/complex/complex.h>
+#include <vcg/space/index/grid_util.h>
 #include <wrap/io_trimesh/export_ply.h>
 // clang-format on
 
@@ -81,8 +81,7 @@ void make_mesh(const Solid& solid, Mesh& mesh) {
       for (int k = 0; k < kCells; ++k) {
         vcg::Point3f corner;
         volume.IPiToPf({i, j, k}, corner);
-        volume.Val(i, j, k) =
-            static_cast<float>(solid.implicit({corner[0], corner[1], corner[2]}));
+        volume.Val(i, j, k) = static_cast<float>(solid.implicit({corner[0], corner[1], corner[2]}));
       }
   Walker walker;
   vcg::tri::MarchingCubes<Mesh, Walker> extractor(mesh, walker);
