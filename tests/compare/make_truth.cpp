@@ -4,11 +4,13 @@
 // Marching cubes of vcglib, then every vertex is moved onto the surface, so that only the flatness
 // of the faces is left as an error: about 1e-4 of the size where the surface curves most. Shares no
 // code with the reconstruction.
-// clang-format off: what follows needs the first
-#include <vcg/complex/algorithms/create/marching_cubes.h>
-#include <vcg/complex/algorithms/create/mc_trivial_walker.h>
+//
+// What follows needs the first:
+// clang-format off
 #include <vcg/complex/complex.h>
 #include <vcg/space/index/grid_util.h>
+#include <vcg/complex/algorithms/create/marching_cubes.h>
+#include <vcg/complex/algorithms/create/mc_trivial_walker.h>
 #include <wrap/io_trimesh/export_ply.h>
 // clang-format on
 

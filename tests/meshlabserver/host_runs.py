@@ -4,8 +4,11 @@ import math
 import os
 import pathlib
 import random
+import resource
+import signal
 import struct
 import subprocess
+import time
 import xml.etree.ElementTree as ElementTree
 
 SCRIPTS = pathlib.Path(__file__).resolve().parent / "scripts"
@@ -106,9 +109,10 @@ def script(path, base, *changes, before=None, types=None):
 
 
 class Run:
-    """One run of meshlabserver: exit code and log."""
+    """One run of meshlabserver: exit code (None: stopped at the time limit), log, all of its output, and its seconds, on
+    the clock and of processor time."""
 
-    def __init__(self, server, folder, script_file, inputs, outputs=(), options=()):
+    def __init__(self, server, folder, script_file, inputs, outputs=(), options=(), time_limit=300, environment=()):
         log = folder / "host.log"
         log.unlink(missing_ok=True)
         command = ["xvfb-run", "-a", str(server), "-l", str(log)]
@@ -117,11 +121,25 @@ class Run:
         for layer, output in outputs:
             command += ["-o", str(output), "-l", str(layer), *options]
         command += ["-s", str(script_file)]
-        done = subprocess.run(command, capture_output=True, cwd=folder, timeout=300, check=False,
-                              env=dict(os.environ, HOME=str(folder)))
-        self.code = done.returncode
-        self.log = log.read_text() if log.exists() else ""
-        self.text = self.log + done.stdout.decode(errors="replace") + done.stderr.decode(errors="replace")
+        used, begin = children_seconds(), time.monotonic()
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, cwd=folder,
+                                   env=dict(os.environ, HOME=str(folder), **dict(environment)), start_new_session=True)
+        try:
+            said, _ = process.communicate(timeout=time_limit)
+            self.code = process.returncode
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            said, _ = process.communicate()
+            self.code = None
+        self.seconds, self.processor_seconds = time.monotonic() - begin, children_seconds() - used
+        self.log = log.read_text(errors="replace") if log.exists() else ""
+        self.text = self.log + said.decode(errors="replace")
+
+
+def children_seconds():
+    """Processor time of all children that have ended."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
 def check(checker, mesh, cloud=None):
