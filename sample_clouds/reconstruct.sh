@@ -7,13 +7,15 @@
 # -o       one input: the mesh to write, its ending chooses the format; several, or a folder: the folder to write to.
 #          Without: NAME_shrink_wrap.ply beside each input (the sample clouds': in sample_clouds/results)
 # -j       inputs to work on at the same time (1)
+# --time-limit S  seconds after which an input is given up (0: none)
 # --paper      the paper's own steps and constants, for clouds of genus 0
 # --surface    stop at the parametric surface, for noisy clouds
 # --leave-open take the faces that span openings of the scan away
 # --threads N  threads for each input (0: all)
 #
-# Does all of its own set-up, quick the second time. Prints the stages and the matching report of each input, and
-# leaves with 1 if any failed.
+# Does all of its own set-up, quick the second time. Prints the stages and the matching report of each input, then a
+# table of all and a list of those that failed, and why; leaves with 1 if any failed. A mesh is there whole or not at
+# all: not half-written when the script is stopped, and not left from an earlier run when this one fails.
 set -eu
 
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -22,11 +24,20 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 usage() { sed -n '2,/^set -eu/s/^# \{0,1\}//p' "$0"; }
 
 work=$(mktemp -d)
+stop() { # The host runs in process groups of its own, which no signal from the terminal reaches.
+  trap '' HUP INT TERM
+  touch "$work/stopped"
+  for group in "$work"/*/group; do
+    [ ! -s "$group" ] || kill -TERM -- "-$(cat "$group")" 2>/dev/null || :
+  done
+  wait
+  exit 130
+}
 trap 'rm -rf "$work"' EXIT
-trap 'exit 130' HUP INT TERM
+trap stop HUP INT TERM
 
 # --- arguments -----------------------------------------------------------------------------------------------------
-output='' jobs=1
+output='' jobs=1 time_limit=0
 value_of() { # option, number of arguments left, value
   [ "$2" -gt 0 ] || die "$1 needs a value"
 }
@@ -43,7 +54,7 @@ while [ "$left" -gt 0 ]; do
   shift
   left=$((left - 1))
   case $argument in
-    -o | -j | --threads)
+    -o | -j | --threads | --time-limit)
       value_of "$argument" "$left"
       value=$1
       shift
@@ -57,6 +68,10 @@ while [ "$left" -gt 0 ]; do
           whole_number -j "$value"
           [ "$value" -gt 0 ] || die "-j needs 1 or more"
           jobs=$value
+          ;;
+        --time-limit)
+          whole_number --time-limit "$value"
+          time_limit=$value
           ;;
         --threads)
           whole_number --threads "$value"
@@ -158,6 +173,12 @@ saving_options() { # input
   [ -z "$options" ] || printf '%s\n' "-m$options"
 }
 
+# Runs a command in a process group of its own, so that it can be stopped with all that it started.
+in_own_group() { # folder that gets the file `group`, command...
+  # shellcheck disable=SC2016  # for the inner shell
+  setsid -w sh -c 'echo $$ >"$0/group"; exec "$@"' "$@"
+}
+
 # reconstruct INPUT TARGET FOLDER: writes TARGET only if all went well; FOLDER gets `log`, and `status`, one line.
 reconstruct() {
   input=$1 target=$2 job=$3
@@ -165,23 +186,21 @@ reconstruct() {
     printf 'failed: %s\n' "$*" >"$job/status"
     return 1
   }
-  [ -e "$input" ] || { give_up "there is no such file"; return; }
-  [ -r "$input" ] || { give_up "it cannot be read"; return; }
-  [ -s "$input" ] || { give_up "the file is empty"; return; }
-  case ${input##*/} in *?.?*) ;; *) give_up "its name has no ending that tells the format"; return ;; esac
   case ${target##*/} in *?.?*) ;; *) give_up "$target has no ending that tells the format"; return ;; esac
   target_folder=.
   case $target in */*) target_folder=${target%/*} ;; esac
   [ -d "${target_folder:-/}" ] || { give_up "there is no folder $target_folder"; return; }
   [ -w "${target_folder:-/}" ] || { give_up "the folder $target_folder cannot be written to"; return; }
-  # shellcheck disable=SC3013  # -ef: every shell has it
-  if [ -e "$target" ] && [ "$target" -ef "$input" ]; then
-    give_up "the mesh would overwrite the cloud"
-    return
-  fi
+  [ ! -d "$target" ] || { give_up "$target is a folder"; return; }
 
   # What an earlier run left must not pass for the result of this one.
   rm -f "$target"
+
+  [ -e "$input" ] || { give_up "there is no such file"; return; }
+  [ -f "$input" ] || { give_up "it is no file"; return; }
+  [ -r "$input" ] || { give_up "it cannot be read"; return; }
+  [ -s "$input" ] || { give_up "the file is empty"; return; }
+  case ${input##*/} in *?.?*) ;; *) give_up "its name has no ending that tells the format"; return ;; esac
 
   # The host meets plain names only: it does not cope with every character, and not in every locale.
   link="$job/cloud.$(printf %s "${input##*.}" | tr '[:upper:]' '[:lower:]')"
@@ -190,8 +209,10 @@ reconstruct() {
 
   code=0
   # shellcheck disable=SC2046  # options are words
-  (cd "$job" && HOME=$work xvfb-run -a "$build/stage/bin/meshlabserver" -l "$job/host.log" -i "$link" -o "$mesh" \
-    $(saving_options "$input") -s "$work/script.mlx") >"$job/host.out" 2>&1 || code=$?
+  (cd "$job" && HOME=$work TMPDIR=$job in_own_group "$job" timeout -k 5 "$time_limit" xvfb-run -a \
+    "$build/stage/bin/meshlabserver" -l "$job/host.log" -i "$link" -o "$mesh" $(saving_options "$input") \
+    -s "$work/script.mlx") >"$job/host.out" 2>&1 || code=$?
+  rm -f "$job/group"
   touch "$job/host.log"
   # The filter's lines: after its name, to what the host says next.
   sed -n -e '1,/^.*filter: /d' -e '/^Mesh .* saved as /q' -e '/^Problem with filter/q' -e '/^Output mesh /q' \
@@ -199,10 +220,16 @@ reconstruct() {
 
   reason=$(sed -n 's/^Shrink Wrap failed: //p' "$job/log" | tail -n 1)
   verdict=$(sed -n 's/^Shrink Wrap succeeded: //p' "$job/log" | tail -n 1)
-  if [ -n "$reason" ]; then
+  if [ -e "$work/stopped" ]; then
+    give_up "stopped"
+  elif [ -n "$reason" ]; then
     give_up "$reason"
-  elif [ "$code" -ge 128 ]; then
-    give_up "MeshLab crashed (signal $((code - 128)))"
+  elif [ "$time_limit" -gt 0 ] && { [ "$code" -eq 124 ] || [ "$code" -eq 137 ]; }; then
+    give_up "not done after $time_limit s"
+  elif [ "$code" -gt 128 ] && [ "$code" -lt 192 ]; then
+    when=
+    grep -q " loaded has " "$job/host.log" || when=" while reading it: is it a point cloud, and whole?"
+    give_up "MeshLab crashed (signal $((code - 128)))$when"
   elif grep -q "not possible to import mesh" "$job/host.log"; then
     give_up "MeshLab cannot read it: is it a point cloud, whole, and in the format that its ending tells?"
   elif [ "$code" -ne 0 ] || [ -z "$verdict" ]; then
@@ -233,10 +260,52 @@ show() { # number of the input
     *)
       failures=$((failures + 1))
       printf '  FAILED: %s\n' "${status#failed: }" >&2
+      printf '  %s: %s\n' "$input" "${status#failed: }" >>"$work/failures"
       ;;
   esac
 }
 
+# True if writing to the target would destroy one of the inputs, or what another input was made into.
+is_taken() { # target, inputs...
+  taken=$1
+  shift
+  key=$(printf '%s' "$taken" | tr '\n' '\001')
+  if grep -qFx -e "$key" "$work/targets"; then
+    reason="another input is written to the same name, $taken"
+    return 0
+  fi
+  printf '%s\n' "$key" >>"$work/targets"
+  [ -e "$taken" ] || return 1
+  for other in "$@"; do
+    # shellcheck disable=SC3013  # -ef: every shell has it
+    if [ "$taken" -ef "$other" ]; then
+      reason="the mesh would overwrite the cloud $other"
+      return 0
+    fi
+  done
+  return 1
+}
+
+show_finished() {
+  while [ "$shown" -lt "$number" ] && [ -e "$work/$((shown + 1))/seconds" ]; do
+    shown=$((shown + 1))
+    show "$shown"
+  done
+}
+
+busy() { # how many are being worked on
+  count=0
+  for job in $running; do
+    if [ -e "$work/$job/seconds" ]; then
+      wait "$(cat "$work/$job/pid")" || :
+    else
+      count=$((count + 1))
+      still="$still $job"
+    fi
+  done
+}
+
+: >"$work/targets"
 total=$# number=0 shown=0 failures=0 running=''
 for input in "$@"; do
   number=$((number + 1))
@@ -246,43 +315,49 @@ for input in "$@"; do
   target=${target%??}
   printf '%s' "$input" >"$job/input"
   printf '%s' "$target" >"$job/target"
-  same=$(grep -lFx -- "$target" "$work"/[0-9]*/target 2>/dev/null | grep -cv "/$number/target\$" || :)
-  if [ "$same" -gt 0 ]; then
-    echo "failed: another input is written to the same name, $target" >"$job/status"
-  else
-    (
-      started=$(date +%s)
-      reconstruct "$input" "$target" "$job" || :
-      echo $(($(date +%s) - started)) >"$job/seconds"
-    ) &
-    running="$running $!:$number"
+  if is_taken "$target" "$@"; then
+    printf 'failed: %s\n' "$reason" >"$job/status"
+    echo 0 >"$job/seconds"
+    continue
   fi
-  while [ "$(printf %s "$running" | wc -w)" -ge "$jobs" ] || { [ "$number" -eq "$total" ] && [ -n "$running" ]; }; do
-    first=${running# }
-    first=${first%% *}
-    wait "${first%%:*}" || :
-    running=${running#" $first"}
-    while [ "$shown" -lt "${first##*:}" ]; do
-      shown=$((shown + 1))
-      show "$shown"
-    done
+  (
+    trap : HUP INT TERM # what is being moved into place is moved; the host is stopped by `stop`
+    started=$(date +%s)
+    reconstruct "$input" "$target" "$job" || :
+    echo $(($(date +%s) - started)) >"$job/seconds.partial"
+    mv "$job/seconds.partial" "$job/seconds"
+  ) &
+  echo $! >"$job/pid"
+  running="$running $number"
+  while :; do
+    still=''
+    busy
+    running=$still
+    show_finished
+    [ "$count" -ge "$jobs" ] || break
+    sleep 0.1
   done
 done
-while [ "$shown" -lt "$total" ]; do
-  shown=$((shown + 1))
-  show "$shown"
-done
+wait
+show_finished
 
 # --- summary -----------------------------------------------------------------------------------------------------------
+# Names last, and failures once more: in a long list they must be found.
 if [ "$total" -gt 1 ]; then
-  printf '\n%-40s %8s  %s\n' input seconds result
+  printf '\n%8s  %-7s %s\n' seconds result input
   number=0
   while [ "$number" -lt "$total" ]; do
     number=$((number + 1))
     job=$work/$number
-    input=$(cat "$job/input")
-    printf '%-40s %8s  %s\n' "${input##*/}" "$(cat "$job/seconds" 2>/dev/null)" "$(cat "$job/status" 2>/dev/null)"
+    status=$(cat "$job/status")
+    word=FAILED
+    case $status in 'done:'*) word='done' ;; esac
+    printf '%8s  %-7s %s (%s)\n' "$(cat "$job/seconds")" "$word" "$(cat "$job/input")" "${status#*: }"
   done
   printf '\n%d of %d reconstructed\n' $((total - failures)) "$total"
+  if [ "$failures" -gt 0 ]; then
+    printf 'Failed:\n' >&2
+    cat "$work/failures" >&2
+  fi
 fi
 [ "$failures" -eq 0 ]
