@@ -45,12 +45,14 @@ def as_float(x):
     return struct.unpack("f", struct.pack("f", x))[0]
 
 
-def write_ply(path, points, faces=(), colours=None):
+def write_ply(path, points, faces=(), colours=None, qualities=None):
     """A binary PLY, bit for bit."""
     header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(points)}"]
     header += [f"property float {axis}" for axis in "xyz"]
     if colours:
         header += [f"property uchar {channel}" for channel in ("red", "green", "blue")]
+    if qualities:
+        header.append("property float quality")
     if faces:
         header += [f"element face {len(faces)}", "property list uchar int vertex_indices"]
     with open(path, "wb") as file:
@@ -59,6 +61,8 @@ def write_ply(path, points, faces=(), colours=None):
             file.write(struct.pack("<3f", *point))
             if colours:
                 file.write(bytes(colours[i]))
+            if qualities:
+                file.write(struct.pack("<f", qualities[i]))
         for face in faces:
             file.write(struct.pack("<B3i", 3, *face))
 
@@ -86,6 +90,18 @@ def read_ply(path):
     return vertices, faces
 
 
+def read_obj(path):
+    """Vertices and faces of an OBJ. (The importer of this vcglib takes no face of the first vertex.)"""
+    vertices, faces = [], []
+    for line in pathlib.Path(path).read_text().splitlines():
+        words = line.split()
+        if words[:1] == ["v"]:
+            vertices.append(tuple(float(word) for word in words[1:4]))
+        elif words[:1] == ["f"]:
+            faces.append(tuple(int(word.split("/")[0]) - 1 for word in words[1:]))
+    return vertices, faces
+
+
 def script(path, base, *changes, before=None, types=None):
     """Writes a variant of a script to `path`. A change is (parameter, value) or (filter name's end, parameter, value)."""
     tree = ElementTree.parse(base)
@@ -110,12 +126,15 @@ def script(path, base, *changes, before=None, types=None):
 
 class Run:
     """One run of meshlabserver: exit code (None: stopped at the time limit), log, all of its output, and its seconds, on
-    the clock and of processor time."""
+    the clock and of processor time. `projects`: one to read, one to write."""
 
-    def __init__(self, server, folder, script_file, inputs, outputs=(), options=(), time_limit=300, environment=()):
+    def __init__(self, server, folder, script_file, inputs, outputs=(), options=(), time_limit=300, environment=(),
+                 projects=None):
         log = folder / "host.log"
         log.unlink(missing_ok=True)
         command = ["xvfb-run", "-a", str(server), "-l", str(log)]
+        if projects:
+            command += ["-p", str(projects[0]), "-w", str(projects[1])]
         if inputs:
             command += ["-i", *map(str, inputs)]
         for layer, output in outputs:

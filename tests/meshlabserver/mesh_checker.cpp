@@ -1,13 +1,17 @@
-// mesh_checker MESH.ply [CLOUD.ply]: what a mesh is, by vcglib alone, one `key value` a line.
+// mesh_checker MESH [CLOUD.ply]: what a mesh is, by vcglib alone, one `key value` a line. PLY, OFF,
+// or STL, whose corners are merged where their coordinates are equal, as a printer's program does.
 // Shares no code with the reconstruction, so that neither can hide an error of the other.
 #include <vcg/complex/algorithms/clean.h>
 #include <vcg/complex/complex.h>
+#include <wrap/io_trimesh/import_off.h>
 #include <wrap/io_trimesh/import_ply.h>
+#include <wrap/io_trimesh/import_stl.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <string>
 #include <vector>
 #include <wrap/ply/plylib.cpp>
 
@@ -37,11 +41,24 @@ std::vector<Point> sorted_positions(const Mesh& mesh) {
   return points;
 }
 
-bool load(Mesh& mesh, const char* file) {
-  const int error = vcg::tri::io::ImporterPLY<Mesh>::Open(mesh, file);
+template <class Importer>
+bool load_with(Mesh& mesh, const char* file) {
+  int mask = 0;
+  const int error = Importer::Open(mesh, file, mask);
   if (error == 0) return true;
-  std::fprintf(stderr, "%s: %s\n", file, vcg::tri::io::ImporterPLY<Mesh>::ErrorMsg(error));
+  std::fprintf(stderr, "%s: %s\n", file, Importer::ErrorMsg(error));
   return false;
+}
+
+bool load(Mesh& mesh, const std::string& file) {
+  using namespace vcg::tri;
+  const std::string ending = file.substr(file.find_last_of('.') + 1);
+  if (ending == "off") return load_with<io::ImporterOFF<Mesh>>(mesh, file.c_str());
+  if (ending != "stl") return load_with<io::ImporterPLY<Mesh>>(mesh, file.c_str());
+  if (!load_with<io::ImporterSTL<Mesh>>(mesh, file.c_str())) return false;
+  Clean<Mesh>::RemoveDuplicateVertex(mesh);
+  Allocator<Mesh>::CompactEveryVector(mesh);
+  return true;
 }
 
 double signed_volume(const Mesh& mesh) {
