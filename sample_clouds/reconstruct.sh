@@ -207,11 +207,11 @@ reconstruct() {
   mesh="$job/mesh.$(printf %s "${target##*.}" | tr '[:upper:]' '[:lower:]')"
   case $input in /*) ln -s "$input" "$link" ;; *) ln -s "$PWD/$input" "$link" ;; esac
 
-  code=0
-  # shellcheck disable=SC2046  # options are words
+  code=0 options=$(saving_options "$input")
+  # shellcheck disable=SC2086  # options are words
   (cd "$job" && HOME=$work TMPDIR=$job in_own_group "$job" timeout -k 5 "$time_limit" xvfb-run -a \
-    "$build/stage/bin/meshlabserver" -l "$job/host.log" -i "$link" -o "$mesh" $(saving_options "$input") \
-    -s "$work/script.mlx") >"$job/host.out" 2>&1 || code=$?
+    "$build/stage/bin/meshlabserver" -l "$job/host.log" -i "$link" -o "$mesh" $options -s "$work/script.mlx") \
+    >"$job/host.out" 2>&1 || code=$?
   rm -f "$job/group"
   touch "$job/host.log"
   # The filter's lines: after its name, to what the host says next.

@@ -3,12 +3,15 @@ and never a file or an exit code that says more than is true."""
 
 import os
 import pathlib
+import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
-from host_runs import check, sphere, torus, write_ply
+from host_runs import as_float, check, read_ply, sphere, torus, write_ply
 
 ROOT, BUILD, CHECKER = None, None, None
 
@@ -20,13 +23,16 @@ class ReconstructScript(unittest.TestCase):
         self.folder = pathlib.Path(folder.name) / "Meine Köpfe (größte) 'n more"
         self.folder.mkdir()
 
+    def start(self, *arguments, **environment):
+        return subprocess.Popen(["sh", str(ROOT / "sample_clouds" / "reconstruct.sh"), *map(str, arguments)],
+                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, cwd=self.folder,
+                                env=dict(os.environ, SHRINKWRAP_BUILD_DIR=BUILD, **environment))
+
     def call(self, *arguments, **environment):
-        done = subprocess.run(["sh", str(ROOT / "sample_clouds" / "reconstruct.sh"), *map(str, arguments)],
-                              capture_output=True, cwd=self.folder, check=False, timeout=600,
-                              env=dict(os.environ, SHRINKWRAP_BUILD_DIR=BUILD, **environment))
-        self.text = done.stdout.decode(errors="replace") + done.stderr.decode(errors="replace")
+        process = self.start(*arguments, **environment)
+        self.text = process.communicate(timeout=600)[0].decode(errors="replace")
         self.assertEqual([p.name for p in self.folder.rglob(".*")], [], "left behind")
-        return done.returncode
+        return process.returncode
 
     def cloud(self, name, points):
         path = self.folder / name
@@ -81,6 +87,67 @@ class ReconstructScript(unittest.TestCase):
         self.assertIn("4", self.text)
         self.assertFalse(stale.exists())
 
+    def test_a_stale_output_does_not_survive_its_input(self):
+        """Nor does the mesh of a cloud that is gone, or empty now."""
+        (self.folder / "empty.ply").touch()
+        for name in ("empty", "missing"):
+            stale = self.folder / f"{name}_shrink_wrap.ply"
+            stale.write_text("of yesterday")
+            self.assertEqual(self.call(f"{name}.ply"), 1, self.text)
+            self.assertFalse(stale.exists(), name)
+
+    def test_no_input_is_overwritten(self):
+        first, second = self.cloud("a.ply", sphere(600)), self.cloud("a_shrink_wrap.ply", sphere(700))
+        before = second.read_bytes()
+        self.assertEqual(self.call("a.ply", "a_shrink_wrap.ply"), 1, self.text)
+        self.assertIn("1 of 2 reconstructed", self.text)
+        self.assertIn("would overwrite", self.text)
+        self.assertEqual(second.read_bytes(), before)
+        self.assertEqual(check(CHECKER, self.folder / "a_shrink_wrap_shrink_wrap.ply", second)["complete"], 1)
+        self.assertTrue(first.exists())
+
+    def test_all_sample_clouds_and_a_corrupt_one(self):
+        """Exactly that one fails, and is named with the reason, at the end as well."""
+        clouds = self.folder / "Scans vom März"
+        clouds.mkdir()
+        samples = sorted((ROOT / "sample_clouds").glob("*.ply"))
+        self.assertGreaterEqual(len(samples), 6)
+        for sample in samples:
+            shutil.copy(sample, clouds)
+        whole = samples[1].read_bytes()
+        (clouds / "kaputt – übertragen.ply").write_bytes(whole[:len(whole) // 2])
+        self.assertEqual(self.call(clouds.name, "-o", "Netze", "-j", "2"), 1, self.text)
+        self.assertIn(f"{len(samples)} of {len(samples) + 1} reconstructed", self.text)
+        table = [line for line in self.text.splitlines() if "  FAILED  " in line]
+        self.assertEqual(len(table), 1, self.text)
+        self.assertIn("kaputt – übertragen.ply (MeshLab cannot read it", table[0])
+        self.assertIn("kaputt – übertragen.ply: MeshLab cannot read it", self.text[self.text.rindex("Failed:"):])
+        self.assertEqual(sorted(p.name for p in (self.folder / "Netze").iterdir()),
+                         [f"{sample.stem}_shrink_wrap.ply" for sample in samples])
+
+    def test_stopping_leaves_whole_meshes_only(self):
+        inputs = [self.cloud(f"{i} ö.ply", torus(1500, seed=i)) for i in range(1, 40)]
+        process = self.start(*[path.name for path in inputs], "-o", "out", "-j", "2")
+        output = self.folder / "out"
+        while not list(output.glob("*.ply")) and process.poll() is None:
+            time.sleep(0.02)
+        process.send_signal(signal.SIGTERM)
+        text = process.communicate(timeout=60)[0].decode(errors="replace")
+        self.assertEqual(process.returncode, 130, text)
+        # Everything that was started has ended: else it held the pipe open.
+        meshes = list(output.iterdir())
+        self.assertLess(len(meshes), len(inputs))
+        for mesh in meshes:
+            self.assertEqual(check(CHECKER, mesh, self.folder / mesh.name.replace("_shrink_wrap", ""))["complete"], 1)
+
+    def test_colours_and_qualities_are_kept(self):
+        points = sphere(600)
+        qualities = [as_float(0.5 + i) for i in range(600)]
+        write_ply(self.folder / "a.ply", points, colours=[(i % 256, 3, 7) for i in range(600)], qualities=qualities)
+        self.assertEqual(self.call("a.ply"), 0, self.text)
+        vertices, _ = read_ply(self.folder / "a_shrink_wrap.ply")
+        self.assertEqual([(v["red"], v["quality"]) for v in vertices], [(i % 256, q) for i, q in enumerate(qualities)])
+
     def test_inputs_that_cannot_be_read(self):
         (self.folder / "empty.ply").touch()
         (self.folder / "garbage.ply").write_bytes(bytes(range(256)) * 10)
@@ -109,7 +176,7 @@ class ReconstructScript(unittest.TestCase):
         self.assertIn("1 of 2 reconstructed", self.text)
 
     def test_wrong_calls(self):
-        for arguments in (["--unknown"], ["-o"], ["-j", "0"], ["-j", "many"], ["--threads", "x"]):
+        for arguments in (["--unknown"], ["-o"], ["-j", "0"], ["-j", "many"], ["--threads", "x"], ["--time-limit", "-1"]):
             with self.subTest(arguments=arguments):
                 self.assertNotEqual(self.call(*arguments), 0)
 
