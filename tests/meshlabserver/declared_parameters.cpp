@@ -1,6 +1,7 @@
-// declared_parameters PLUGIN [--script]: the filters of a plugin and their parameters, as a
-// document of two layers (a cloud, then a mesh) gives them. One tab-separated line a parameter:
-// filter, type, name, value; or, with --script, a script that runs every filter with its defaults.
+// declared_parameters PLUGIN [--script | --save FILE]: the filters of a plugin and their
+// parameters, as a document of two layers (a cloud, then a mesh) gives them. One tab-separated line
+// a parameter: filter, type, name, value; or a script that runs every filter with its defaults, to
+// the output or, by the host's own code, as its script dialog saves it, to a file.
 #include <QApplication>
 #include <QDomDocument>
 #include <QPluginLoader>
@@ -8,6 +9,39 @@
 #include <cstring>
 
 #include "host_api.h"
+
+// Only 2020.09 has a meshlabserver that could read it.
+#if SHRINKWRAP_MESHLAB_GENERATION == 2020
+#include <common/filterscript.h>
+
+namespace {
+
+class SavedScript {
+ public:
+  void add(const QString& filter, const RichParameterList& list) {
+    FilterNameParameterValuesPair step;
+    step.first = filter;
+    step.second = list;
+    script_.append(step);
+  }
+  bool save(const QString& file) const { return script_.save(file); }
+
+ private:
+  FilterScript script_;
+};
+
+}  // namespace
+#else
+namespace {
+
+class SavedScript {
+ public:
+  void add(const QString&, const RichParameterList&) {}
+  bool save(const QString&) const { return false; }
+};
+
+}  // namespace
+#endif
 
 int main(int argc, char** argv) {
   QApplication application(argc, argv);
@@ -19,6 +53,7 @@ int main(int argc, char** argv) {
     return 1;
   }
   const bool as_script = argc > 2 && std::strcmp(argv[2], "--script") == 0;
+  const bool as_file = argc > 3 && std::strcmp(argv[2], "--save") == 0;
 
   MeshDocument document;
   document.addNewMesh("", "cloud", true);
@@ -26,6 +61,7 @@ int main(int argc, char** argv) {
   vcg::tri::Allocator<CMeshO>::AddVertices(mesh->cm, 3);
   vcg::tri::Allocator<CMeshO>::AddFace(mesh->cm, 0, 1, 2);
 
+  SavedScript saved;
   QDomDocument script("FilterScript");
   QDomElement root = script.createElement("FilterScript");
   script.appendChild(root);
@@ -39,15 +75,17 @@ int main(int argc, char** argv) {
 #else
     list = plugin->initParameterList(action, document);
 #endif
+    saved.add(action->text(), list);
     for (const RichParameter& parameter : list) {
       const QDomElement element = parameter.fillToXMLDocument(script, false);
       filter.appendChild(element);
-      if (!as_script)
+      if (!as_script && !as_file)
         std::printf("%s\t%s\t%s\t%s\n", qUtf8Printable(action->text()),
                     qUtf8Printable(parameter.stringType()), qUtf8Printable(parameter.name()),
                     qUtf8Printable(element.attribute("value")));
     }
   }
   if (as_script) std::printf("%s", script.toString(1).toUtf8().constData());
+  if (as_file && !saved.save(QString::fromLocal8Bit(argv[3]))) return 1;
   return 0;
 }

@@ -140,9 +140,12 @@ class Run:
         for layer, output in outputs:
             command += ["-o", str(output), "-l", str(layer), *options]
         command += ["-s", str(script_file)]
+        # The host needs the X server, whatever else runs without a screen.
+        environment = dict(os.environ, HOME=str(folder), **dict(environment))
+        environment.pop("QT_QPA_PLATFORM", None)
         used, begin = children_seconds(), time.monotonic()
         process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, cwd=folder,
-                                   env=dict(os.environ, HOME=str(folder), **dict(environment)), start_new_session=True)
+                                   env=environment, start_new_session=True)
         try:
             said, _ = process.communicate(timeout=time_limit)
             self.code = process.returncode

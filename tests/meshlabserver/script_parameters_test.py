@@ -1,14 +1,17 @@
-"""script_parameters_test.py ROOT DECLARED_PARAMETERS PLUGIN: every script in the tree lists every parameter of every filter
+"""script_parameters_test.py ROOT DECLARED_PARAMETERS PLUGIN [SERVER]: every script in the tree lists every parameter of every filter
 of ours that it runs, in the order in which the plugin declares them (meshlabserver aborts on any other), with a value of
-the declared type."""
+the declared type. With a meshlabserver: what the host's script dialog saves replays there."""
 
 import pathlib
 import subprocess
 import sys
+import tempfile
 import unittest
 import xml.etree.ElementTree as ElementTree
 
-ROOT, PROGRAM, PLUGIN = None, None, None
+from host_runs import ONE_SHOT, Run, script, torus, write_ply
+
+ROOT, PROGRAM, PLUGIN, SERVER = None, None, None, None
 
 
 def declared():
@@ -79,6 +82,49 @@ class ScriptParameters(unittest.TestCase):
         self.assertEqual([p.attrib for p in actual], [p.attrib for p in expected])
 
 
+class SavedScripts(unittest.TestCase):
+    """Saved by the host's own code, as its script dialog does, with labels and help texts in it."""
+
+    def setUp(self):
+        if not SERVER:
+            self.skipTest("no meshlabserver")
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.cloud, self.saved = self.folder / "cloud.ply", self.folder / "saved.mlx"
+        write_ply(self.cloud, torus(2000))
+        subprocess.run([PROGRAM, PLUGIN, "--save", self.saved], check=True)
+
+    def run_script(self, path, *outputs):
+        run = Run(SERVER, self.folder, path, [self.cloud], outputs)
+        self.assertEqual(run.code, 0, run.text)
+        self.assertNotIn("Shrink Wrap failed: ", run.log)
+        return run
+
+    def test_every_filter_replays(self):
+        steps = ElementTree.parse(self.saved).getroot().findall("filter")
+        self.assertEqual([step.get("name") for step in steps], list(declared()))
+        self.assertIn("tooltip", steps[0][0].attrib)
+        run = self.run_script(self.saved)
+        for step in steps:
+            self.assertIn("filter: " + step.get("name"), run.log)
+
+    def test_changed_values_are_those_of_the_replay(self):
+        changed, plain = self.folder / "changed.mlx", self.folder / "plain.mlx"
+        tree = ElementTree.parse(self.saved)
+        for step in tree.getroot().findall("filter")[1:]:
+            tree.getroot().remove(step)
+        tree.write(changed)
+        script(changed, changed, ("StopAtParametricSurface", "true"), ("FitIterations", 1))
+        script(plain, ONE_SHOT, ("StopAtParametricSurface", "true"), ("FitIterations", 1))
+        results = [self.folder / "replayed.ply", self.folder / "plain.ply", self.folder / "defaults.ply"]
+        for path, result in zip((changed, plain, ONE_SHOT), results):
+            self.run_script(path, ("c", result))
+        replayed, expected, defaults = (result.read_bytes() for result in results)
+        self.assertEqual(replayed, expected)
+        self.assertNotEqual(replayed, defaults)
+
+
 if __name__ == "__main__":
-    ROOT, PROGRAM, PLUGIN = pathlib.Path(sys.argv[1]), *sys.argv[2:4]
-    unittest.main(argv=sys.argv[:1] + sys.argv[4:])
+    ROOT, PROGRAM, PLUGIN, SERVER = pathlib.Path(sys.argv[1]), *sys.argv[2:4], (sys.argv[4:] or [None])[0]
+    unittest.main(argv=sys.argv[:1] + sys.argv[5:])
