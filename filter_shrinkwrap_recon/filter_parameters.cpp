@@ -328,6 +328,28 @@ const char* filter_name(Filter filter) {
   return "";
 }
 
+const char* scripting_name(Filter filter) {
+  switch (filter) {
+    case Filter::reconstruct:
+      return "generate_surface_reconstruction_shrink_wrap";
+    case Filter::initial_mesh:
+      return "generate_shrink_wrap_initial_mesh";
+    case Filter::control_mesh:
+      return "generate_shrink_wrap_control_mesh";
+    case Filter::parametric_surface:
+      return "generate_shrink_wrap_parametric_surface";
+    case Filter::complete_matching:
+      return "generate_shrink_wrap_complete_matching";
+    case Filter::edge_optimisation:
+      return "generate_shrink_wrap_edge_optimisation";
+    case Filter::matching_report:
+      return "get_shrink_wrap_matching_report";
+    case Filter::distance_to_samples:
+      return "compute_scalar_by_distance_to_samples_per_vertex";
+  }
+  return "";
+}
+
 std::vector<Parameter> parameters_of(Filter filter) {
   std::vector<Parameter> list;
   switch (filter) {

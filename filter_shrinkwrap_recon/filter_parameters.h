@@ -26,6 +26,10 @@ constexpr int kFilterCount = 8;
 /// Name in menus and scripts: a global key of the host.
 const char* filter_name(Filter filter);
 
+/// Name of the filter as a function of PyMeshLab: snake_case, and never changed, since scripts of
+/// others call it.
+const char* scripting_name(Filter filter);
+
 /// One entry of a filter's dialog.
 struct Parameter {
   enum class Kind { boolean, integer, real, choice, layer };

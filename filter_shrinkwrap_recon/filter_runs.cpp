@@ -68,7 +68,7 @@ std::string repair_line(const RepairReport& report) {
          count_of(report.flips, "edge flip");
 }
 
-std::map<std::string, double> figures_of(const MeshReport& report) {
+Figures figures_of(const MeshReport& report) {
   return {{"vertices", report.vertices},
           {"faces", report.faces},
           {"components", report.components},
@@ -339,7 +339,7 @@ FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterIn
     if (repair.faces_before > 0) outcome.log.push_back(repair_line(repair));
     warn_of(repair, outcome.warnings);
     outcome.marked_faces = indices_after_drop(repair.remaining_faces, dropped);
-    outcome.figures["self_intersecting_faces"] = static_cast<double>(outcome.marked_faces.size());
+    outcome.figures["self_intersecting_faces"] = static_cast<Index>(outcome.marked_faces.size());
   }
   outcome.log.push_back(surface_verdict("edge optimisation", matching.mesh));
   outcome.mesh = to_result(matching, cloud, input.points);
@@ -393,6 +393,8 @@ FilterOutcome run_distance(const FilterInput& input, Progress& progress) {
                                " not finite: their distance is set to 0.");
   const double sum = std::accumulate(outcome.distance.begin(), outcome.distance.end(), 0.0);
   const double greatest = *std::max_element(outcome.distance.begin(), outcome.distance.end());
+  outcome.figures = {
+      {"vertices", count}, {"mean_distance", sum / count}, {"greatest_distance", greatest}};
   outcome.log.push_back(
       kSucceeded + std::string("distance of ") + count_of(count, "vertex", "vertices") + " from " +
       count_of(static_cast<Index>(input.points.size()), "point") + ": mean " +
@@ -458,8 +460,8 @@ FilterOutcome run_filter(Filter filter, const FilterRequest& request, const Filt
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   FilterOutcome outcome = arena.execute([&] { return dispatch(filter, request, input, progress); });
   if (!outcome.mesh.triangles.empty()) {
-    outcome.figures["vertices"] = static_cast<double>(outcome.mesh.position.size());
-    outcome.figures["faces"] = static_cast<double>(outcome.mesh.triangles.size());
+    outcome.figures["vertices"] = static_cast<Index>(outcome.mesh.position.size());
+    outcome.figures["faces"] = static_cast<Index>(outcome.mesh.triangles.size());
   }
   return outcome;
 }

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "filter_parameters.h"
@@ -18,6 +19,10 @@ struct FilterInput {
                                     ///< openings, ascending
 };
 
+/// What later generations of the host hand to scripts, by name: counts ("samples_matched") are
+/// always Index; seconds ("seconds_total") and distances, in the layer's units, always double.
+using Figures = std::map<std::string, std::variant<Index, double>>;
+
 /// What a filter hands back to the host.
 struct FilterOutcome {
   ResultMesh mesh;                  ///< a new layer; without positions there is none
@@ -27,8 +32,7 @@ struct FilterOutcome {
   std::vector<double> distance;     ///< of every vertex of the input mesh from the nearest sample
   std::vector<std::string> log;     ///< the last line is the verdict
   std::vector<std::string> warnings;
-  /// For scripts: counts, and seconds by stage, by name ("samples_matched", "seconds_total", ...).
-  std::map<std::string, double> figures;
+  Figures figures;
 };
 
 /// How the verdict begins that every run ends with: in the log if it succeeded, in the error

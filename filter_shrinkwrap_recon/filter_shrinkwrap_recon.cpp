@@ -98,28 +98,6 @@ QString help_of(Filter filter) {
   return {};
 }
 
-QString scripting_name_of(Filter filter) {
-  switch (filter) {
-    case Filter::reconstruct:
-      return "generate_surface_reconstruction_shrink_wrap";
-    case Filter::initial_mesh:
-      return "generate_shrink_wrap_initial_mesh";
-    case Filter::control_mesh:
-      return "generate_shrink_wrap_control_mesh";
-    case Filter::parametric_surface:
-      return "generate_shrink_wrap_parametric_surface";
-    case Filter::complete_matching:
-      return "generate_shrink_wrap_complete_matching";
-    case Filter::edge_optimisation:
-      return "generate_shrink_wrap_edge_optimisation";
-    case Filter::matching_report:
-      return "get_shrink_wrap_matching_report";
-    case Filter::distance_to_samples:
-      return "compute_scalar_by_distance_to_samples_per_vertex";
-  }
-  return {};
-}
-
 bool needs_mesh(Filter filter) {
   return filter != Filter::reconstruct && filter != Filter::initial_mesh;
 }
@@ -204,7 +182,7 @@ FilterDescription ShrinkWrapReconPlugin::describe(int id) const {
   const Filter filter = static_cast<Filter>(id);
   FilterDescription description;
   description.name = filter_name(filter);
-  description.scripting_name = scripting_name_of(filter);
+  description.scripting_name = scripting_name(filter);
   description.help = help_of(filter);
   description.takes_layers_as_parameters = filter != Filter::reconstruct;
   switch (filter) {
@@ -271,9 +249,9 @@ FilterRun ShrinkWrapReconPlugin::run(int id, MeshDocument& document, const RichP
   return {QString::fromStdString(message), {}};
 }
 
-std::map<std::string, double> ShrinkWrapReconPlugin::run_on_layers(
-    Filter filter, MeshDocument& document, const RichParameterList& list, MeshModel& samples,
-    MeshModel* mesh, vcg::CallBackPos* callback) {
+Figures ShrinkWrapReconPlugin::run_on_layers(Filter filter, MeshDocument& document,
+                                             const RichParameterList& list, MeshModel& samples,
+                                             MeshModel* mesh, vcg::CallBackPos* callback) {
   FilterRequest request = request_of(filter, values_of(list, parameters_of(filter)));
   request.options.host_scalar =
       kHostIsSinglePrecision ? HostScalar::single_precision : HostScalar::double_precision;

@@ -24,7 +24,7 @@ class ShrinkWrapReconPlugin : public QObject, public shrinkwrap::FilterHost {
                             vcg::CallBackPos* callback) override;
 
  private:
-  std::map<std::string, double> run_on_layers(shrinkwrap::Filter filter, MeshDocument& document,
-                                              const RichParameterList& list, MeshModel& samples,
-                                              MeshModel* mesh, vcg::CallBackPos* callback);
+  shrinkwrap::Figures run_on_layers(shrinkwrap::Filter filter, MeshDocument& document,
+                                    const RichParameterList& list, MeshModel& samples,
+                                    MeshModel* mesh, vcg::CallBackPos* callback);
 };

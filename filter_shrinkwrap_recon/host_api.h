@@ -8,12 +8,13 @@
 #include <QString>
 #include <QStringList>
 #include <charconv>
-#include <cmath>
 #include <map>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "filter_parameters.h"
+#include "filter_runs.h"
 
 #if SHRINKWRAP_MESHLAB_GENERATION == 2020
 #include <common/interfaces.h>
@@ -50,8 +51,8 @@ struct FilterDescription {
 
 /// How a run of a filter ended.
 struct FilterRun {
-  QString error;                          ///< why it failed; empty if it did not
-  std::map<std::string, double> figures;  ///< what later generations hand to scripts
+  QString error;    ///< why it failed; empty if it did not
+  Figures figures;  ///< what later generations hand to scripts
 };
 
 /// A plugin of filters, in the terms of neither generation. Filters are numbered from 0.
@@ -100,10 +101,8 @@ class FilterHost : public HostInterface {
     const FilterRun done = run(ID(action), document, list, callback);
     if (!done.error.isEmpty()) throw MLException(done.error);
     std::map<std::string, QVariant> values;
-    for (const auto& [name, value] : done.figures) {
-      const bool is_count = value == std::floor(value) && std::abs(value) < 2e9;
-      values[name] = is_count ? QVariant(static_cast<int>(value)) : QVariant(value);
-    }
+    for (const auto& [name, figure] : done.figures)
+      values[name] = std::visit([](auto value) { return QVariant(value); }, figure);
     return values;
   }
 #endif
@@ -261,7 +260,8 @@ inline double typed_number(float value) {
   return number;
 }
 inline double typed_number(double value) {
-  return value;
+  const auto single = static_cast<float>(value);  // through which scripts pass their arguments
+  return single == value ? typed_number(single) : value;
 }
 
 /// The values of a dialog, layers left out, and those of another type than declared.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -24,6 +25,24 @@ TEST(FilterParameters, NamesAreUnique) {
     for (const Parameter& parameter : parameters_of(filter))
       EXPECT_TRUE(keys.insert(parameter.name).second) << parameter.name;
   }
+}
+
+// Scripts of others call the functions: in snake_case, and never renamed.
+TEST(FilterParameters, NamesForScriptsAreUniqueAndPlain) {
+  const std::string snake_case = "abcdefghijklmnopqrstuvwxyz_";
+  std::set<std::string> names;
+  for (const Filter filter : all_filters()) {
+    const std::string name = scripting_name(filter);
+    EXPECT_TRUE(names.insert(name).second) << name;
+    EXPECT_GT(name.size(), 10u);
+    EXPECT_EQ(name.find_first_not_of(snake_case), std::string::npos) << name;
+    for (const Parameter& parameter : parameters_of(filter))
+      for (const char letter : parameter.name)
+        EXPECT_TRUE(std::isalpha(static_cast<unsigned char>(letter)))
+            << parameter.name << ": the host would make another name of it";
+  }
+  EXPECT_EQ(scripting_name(Filter::reconstruct),
+            std::string("generate_surface_reconstruction_shrink_wrap"));
 }
 
 TEST(FilterParameters, EveryParameterIsExplainedAndItsDefaultAllowed) {

@@ -156,6 +156,29 @@ TEST(FilterRuns, RefusesWhatItCannotUse) {
   EXPECT_THROW(run(Filter::control_mesh, mesh), InvalidInput) << "it has a border";
 }
 
+// The type of a figure does not depend on its value: a script may rely on it.
+TEST(FilterRuns, FiguresForScriptsHaveFixedTypes) {
+  FilterInput input;
+  input.points = in_single_precision(sample_shape(ShapeKind::torus, 1000, 10));
+  const FilterOutcome outcome = run(Filter::reconstruct, input);
+  int times = 0;
+  for (const auto& [name, value] : outcome.figures) {
+    const bool is_time = name.rfind("seconds_", 0) == 0;
+    EXPECT_EQ(std::holds_alternative<double>(value), is_time) << name;
+    times += is_time;
+  }
+  EXPECT_EQ(times, 9) << "eight stages and the total";
+  EXPECT_EQ(std::get<Index>(outcome.figures.at("genus")), 1);
+  EXPECT_EQ(std::get<Index>(outcome.figures.at("samples_matched")), 1000);
+  EXPECT_EQ(std::get<Index>(outcome.figures.at("self_intersecting_faces")), 0);
+
+  FilterInput itself = through_layer(input.points, outcome);
+  const FilterOutcome distance = run(Filter::distance_to_samples, itself);
+  EXPECT_EQ(std::get<Index>(distance.figures.at("vertices")), 1000);
+  EXPECT_EQ(std::get<double>(distance.figures.at("mean_distance")), 0.0);
+  EXPECT_EQ(std::get<double>(distance.figures.at("greatest_distance")), 0.0);
+}
+
 TEST(FilterRuns, StagesDeclaredAreStagesPassed) {
   FilterInput input;
   input.points = in_single_precision(sample_shape(ShapeKind::sphere, 500, 9));

@@ -2,13 +2,61 @@
 // parameters, as a document of two layers (a cloud, then a mesh) gives them. One tab-separated line
 // a parameter: filter, type, name, value; or a script that runs every filter with its defaults, to
 // the output or, by the host's own code, as its script dialog saves it, to a file.
+// declared_parameters --python: the table of docs/pymeshlab.md, without any host.
 #include <QApplication>
 #include <QDomDocument>
 #include <QPluginLoader>
+#include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <cstring>
 
 #include "host_api.h"
+#include "python_table.h"
+
+namespace {
+
+using namespace shrinkwrap;
+using namespace shrinkwrap::testing;
+
+// As the newer hosts derive it: names of ours have letters only.
+std::string python_name(std::string name) {
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  return name;
+}
+
+PythonParameter in_python(const Parameter& parameter) {
+  const std::string number = QString::number(parameter.default_value).toStdString();
+  const std::string name = python_name(parameter.name);
+  switch (parameter.kind) {
+    case Parameter::Kind::boolean:
+      return {name, "bool", parameter.default_value != 0.0 ? "True" : "False", {}};
+    case Parameter::Kind::integer:
+      return {name, "int", number, {}};
+    case Parameter::Kind::real:
+      return {name, "float", number, {}};
+    case Parameter::Kind::choice: {
+      const auto chosen = static_cast<std::size_t>(parameter.default_value);
+      return {name, "str", "'" + parameter.choices.at(chosen) + "'", parameter.choices};
+    }
+    case Parameter::Kind::layer:
+      return {name, "int", "id of a layer that fits", {}};
+  }
+  return {};
+}
+
+void print_python_table() {
+  for (int i = 0; i < kFilterCount; ++i) {
+    const auto filter = static_cast<Filter>(i);
+    PythonFunction function{filter_name(filter), scripting_name(filter), {}};
+    for (const Parameter& parameter : parameters_of(filter))
+      function.parameters.push_back(in_python(parameter));
+    print_python_function(function);
+  }
+}
+
+}  // namespace
 
 // Only 2020.09 has a meshlabserver that could read it.
 #if SHRINKWRAP_MESHLAB_GENERATION == 2020
@@ -46,6 +94,10 @@ class SavedScript {
 int main(int argc, char** argv) {
   QApplication application(argc, argv);
   if (argc < 2) return 2;
+  if (std::strcmp(argv[1], "--python") == 0) {
+    print_python_table();
+    return 0;
+  }
   QPluginLoader loader(QString::fromLocal8Bit(argv[1]));
   auto* plugin = qobject_cast<shrinkwrap::HostInterface*>(loader.instance());
   if (plugin == nullptr) {

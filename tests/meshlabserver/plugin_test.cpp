@@ -324,6 +324,13 @@ TEST(Plugin, WrongValuesAndTypesAreRefusedByName) {
   EXPECT_EQ(layer_count(document), 1u);
 }
 
+TEST(Plugin, NumbersAreThoseThatWereTyped) {
+  EXPECT_EQ(typed_number(0.4f), 0.4);
+  EXPECT_EQ(typed_number(static_cast<double>(0.4f)), 0.4) << "a script's, in a host of doubles";
+  EXPECT_EQ(typed_number(0.1234567890123), 0.1234567890123);
+  EXPECT_TRUE(std::isnan(typed_number(NAN)));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
