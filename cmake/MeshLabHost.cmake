@@ -5,7 +5,8 @@ set(SHRINKWRAP_MESHLAB_GENERATION "" CACHE STRING
 set_property(CACHE SHRINKWRAP_MESHLAB_GENERATION PROPERTY STRINGS "" 2020 2021)
 set(SHRINKWRAP_MESHLAB_SOURCE_DIR "" CACHE PATH
     "Sources of the installed MeshLab, with src/common and vcglib; empty: fetched into the build folder")
-set(SHRINKWRAP_MESHLAB_SCALAR "float" CACHE STRING "Scalar that the host was built with (Debian: float)")
+set(SHRINKWRAP_MESHLAB_SCALAR "float" CACHE STRING "Scalar that the host was built with (Debian: float, PyMeshLab: double)")
+set_property(CACHE SHRINKWRAP_MESHLAB_SCALAR PROPERTY STRINGS float double)
 
 # The host's own library as a target, if this is a part of its build: "common" in 2020.09.
 set(meshlab_target "")
@@ -57,31 +58,23 @@ if(NOT SHRINKWRAP_BUILD_PLUGIN)
   return()
 endif()
 
-file(STRINGS ${meshlab_source_dir}/ML_VERSION meshlab_version LIMIT_COUNT 1)
-set(meshlab_generation ${SHRINKWRAP_MESHLAB_GENERATION})
-if(NOT meshlab_generation)
-  if(meshlab_version VERSION_LESS 2021)
-    set(meshlab_generation 2020)
-  else()
-    set(meshlab_generation 2021)
-  endif()
-endif()
-if(NOT meshlab_generation MATCHES "^(2020|2021)$")
-  message(FATAL_ERROR "SHRINKWRAP_MESHLAB_GENERATION is '${meshlab_generation}': 2020 or 2021")
-endif()
-message(STATUS "MeshLab ${meshlab_version}, plugin interface of generation ${meshlab_generation}")
-
+include(CheckMeshLab)
+check_meshlab_options()
+meshlab_of_sources(${meshlab_source_dir} meshlab_version meshlab_generation)
 if(meshlab_target)
   set(meshlab_common ${meshlab_target})
 else()
   find_library(SHRINKWRAP_MESHLAB_COMMON meshlab-common PATH_SUFFIXES meshlab REQUIRED
                PATHS /usr/lib/${CMAKE_LIBRARY_ARCHITECTURE})
+  check_meshlab_library(${SHRINKWRAP_MESHLAB_COMMON} ${meshlab_version})
   set(meshlab_common ${SHRINKWRAP_MESHLAB_COMMON})
   get_filename_component(meshlab_library_dir ${meshlab_common} DIRECTORY)
   string(REGEX REPLACE "/lib[^/]*(/[^/]+)?/meshlab$" "" meshlab_prefix ${meshlab_library_dir})  # with a triplet, or not
   set(MESHLAB_PLUGIN_DIR ${meshlab_library_dir}/plugins)
   set(MESHLAB_SERVER ${meshlab_prefix}/bin/meshlabserver)  # later generations have none
 endif()
+message(STATUS "MeshLab ${meshlab_version} (${SHRINKWRAP_MESHLAB_SCALAR}), plugin interface of generation "
+               "${meshlab_generation}")
 
 find_package(Qt5 REQUIRED COMPONENTS Core Gui Widgets OpenGL Xml)
 add_library(meshlab_host INTERFACE)
@@ -90,8 +83,7 @@ target_include_directories(meshlab_host SYSTEM INTERFACE ${meshlab_source_dir}/s
 target_compile_definitions(
   meshlab_host
   INTERFACE MESHLAB_SCALAR=${SHRINKWRAP_MESHLAB_SCALAR} MESHLAB_VERSION=${meshlab_version}
-            SHRINKWRAP_MESHLAB_GENERATION=${meshlab_generation}
-            QT_NO_DEBUG)
+            SHRINKWRAP_MESHLAB_GENERATION=${meshlab_generation} QT_NO_DEBUG)
 target_link_libraries(meshlab_host INTERFACE vcglib ${meshlab_common} Qt5::Core Qt5::Gui Qt5::Widgets
                                              Qt5::OpenGL Qt5::Xml)
 

@@ -5,11 +5,10 @@
 #
 # Makes FOLDER with src/common, vcglib/vcg, vcglib/wrap and ML_VERSION of exactly the installed version. Needs no
 # root: apt runs on private folders, with the archives that this machine's own sources name, and checks signatures
-# and checksums as usual. Does nothing if FOLDER is there.
+# and checksums as usual. Does nothing if FOLDER is there, of that version.
 set -eu
 
 target=${1:?usage: fetch_meshlab_source.sh FOLDER}
-[ ! -f "$target/complete" ] || exit 0
 
 fail() {
   echo "fetch_meshlab_source: $*" >&2
@@ -19,7 +18,11 @@ fail() {
 }
 
 # shellcheck disable=SC2016  # the braces are dpkg-query's
-version=$(dpkg-query -W -f='${source:Version}' meshlab 2>/dev/null) || fail "MeshLab is not installed (apt: meshlab)"
+version=$(dpkg-query -W -f='${source:Version}' meshlab 2>/dev/null) || version=''
+if [ -f "$target/complete" ]; then
+  case $version in '' | "$(cat "$target/complete")") exit 0 ;; esac
+fi
+[ -n "$version" ] || fail "MeshLab is not installed (apt: meshlab)"
 
 mkdir -p "$(dirname "$target")"
 work=$(mktemp -d "$(dirname "$target")/fetch.XXXXXX")
@@ -67,8 +70,11 @@ for part in src/common "$vcglib/vcg" "$vcglib/wrap"; do
   [ -d "$kept/$part" ] || fail "the source package of meshlab $version has no $part"
 done
 
-mkdir -p "$work/out/src" "$work/out/vcglib"
+mkdir -p "$work/out/src/external" "$work/out/vcglib"
 mv "$kept/src/common" "$work/out/src/common"
+for library in "$kept"/src/external/easyexif*/; do # which src/common needs to be compiled, by tests/newer_meshlab
+  [ ! -f "$library/exif.cpp" ] || mv "$library" "$work/out/src/external/easyexif"
+done
 mv "$kept/$vcglib/vcg" "$kept/$vcglib/wrap" "$work/out/vcglib/"
 for file in ML_VERSION LICENSE.txt; do
   [ ! -f "$kept/$file" ] || mv "$kept/$file" "$work/out/"
