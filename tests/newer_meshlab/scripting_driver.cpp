@@ -1,22 +1,24 @@
 // Does with the plugin what PyMeshLab does, on a MeshLab of either generation:
 //
 //   scripting_driver PLUGIN functions                 the table of Python names and parameters
-//   scripting_driver PLUGIN reconstruct CLOUD DUMP    reconstruct with the defaults, dump the mesh
-//   scripting_driver PLUGIN builtins CLOUD            the host's own reconstructions (2021 and
-//   later)
+//   scripting_driver PLUGIN reconstruct CLOUD DUMP    with defaults, with arguments, with errors
+//   scripting_driver PLUGIN dump MESH DUMP            a mesh file as a dump
+//   scripting_driver PLUGIN builtins CLOUD FOLDER     the reconstructions of the host's plugins
 //
-// A dump holds positions and faces as they are in memory: two hosts agree if their dumps do.
+// The first and the last need the interface of 2021. A dump holds positions and faces as they are
+// in memory: two meshes are the same if their dumps are.
 #include <QApplication>
 #include <QDir>
 #include <QPluginLoader>
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <set>
 
-#include "filter_parameters.h"
 #include "host_api.h"
 
 // After the host's own headers, which they need.
@@ -24,61 +26,46 @@
 
 #include <wrap/ply/plylib.cpp>
 
+#include "python_table.h"
+
 #if SHRINKWRAP_MESHLAB_GENERATION == 2021
+#include <common/globals.h>
 #include <common/plugins/plugin_manager.h>
+#include <common/python/function_set.h>
 #endif
 
 namespace {
 
 using shrinkwrap::HostInterface;
+using Values = std::map<std::string, QVariant>;
+using Position = std::array<MESHLAB_SCALAR, 3>;
+
+constexpr bool kHasResultMap = SHRINKWRAP_MESHLAB_GENERATION == 2021;
 
 [[noreturn]] void fail(const std::string& why) {
   std::fprintf(stderr, "scripting_driver: %s\n", why.c_str());
   std::exit(1);
 }
 
-void load_cloud(MeshDocument& document, const char* file) {
+void expect(bool holds, const std::string& what) {
+  if (!holds) fail("expected: " + what);
+}
+
+// --- layers ---
+
+void load(MeshDocument& document, const char* file) {
   MeshModel* layer = document.addNewMesh("", "cloud", true);
   int mask = 0;
   if (vcg::tri::io::ImporterPLY<CMeshO>::Open(layer->cm, file, mask) != 0)
     fail(std::string(file) + " cannot be read");
+  vcg::tri::UpdateBounding<CMeshO>::Box(layer->cm);
 }
 
-QAction* action_of(HostInterface& plugin, const char* name) {
-  for (QAction* action : plugin.actions())
-    if (action->text() == name) return action;
-  fail(std::string("there is no filter ") + name);
-}
-
-RichParameterList parameters_of(HostInterface& plugin, QAction* action, MeshDocument& document) {
-#if SHRINKWRAP_MESHLAB_GENERATION == 2020
-  RichParameterList list;
-  plugin.initParameterSet(action, document, list);
-  return list;
-#else
-  return plugin.initParameterList(action, document);
-#endif
-}
-
-// What the filter hands to scripts, as lines; the error if it failed.
-std::string apply(HostInterface& plugin, QAction* action, MeshDocument& document,
-                  const RichParameterList& list, bool& succeeded) {
-  std::string text;
-#if SHRINKWRAP_MESHLAB_GENERATION == 2020
-  succeeded = plugin.applyFilter(action, document, list, nullptr);
-  if (!succeeded) text = plugin.errorMsg().toStdString();
-#else
-  try {
-    unsigned int mask = 0;
-    for (const auto& [name, value] : plugin.applyFilter(action, list, document, mask, nullptr))
-      text += "  " + name + " = " + value.toString().toStdString() + "\n";
-    succeeded = true;
-  } catch (const MLException& error) {
-    succeeded = false;
-    text = error.what();
-  }
-#endif
-  return text;
+std::set<Position> positions_of(const CMeshO& mesh) {
+  std::set<Position> positions;
+  for (const auto& vertex : mesh.vert)
+    if (!vertex.IsD()) positions.insert({vertex.cP()[0], vertex.cP()[1], vertex.cP()[2]});
+  return positions;
 }
 
 void dump(const CMeshO& mesh, const char* file) {
@@ -96,130 +83,251 @@ void dump(const CMeshO& mesh, const char* file) {
   if (!out.flush()) fail(std::string(file) + " cannot be written");
 }
 
-void reconstruct(HostInterface& plugin, const char* cloud, const char* file) {
-  QAction* const action =
-      action_of(plugin, shrinkwrap::filter_name(shrinkwrap::Filter::reconstruct));
-  bool succeeded = false;
-  {
-    MeshDocument document;
-    load_cloud(document, cloud);
-    RichParameterList list = parameters_of(plugin, action, document);
-    const std::string values = apply(plugin, action, document, list, succeeded);
-    if (!succeeded) fail(values);
-    std::printf("%s with the defaults:\n%s", qUtf8Printable(action->text()), values.c_str());
-    dump(document.mm()->cm, file);
+// --- calls ---
 
-    // With arguments, as a script passes them.
-    list.setValue("StopAtParametricSurface", BoolValue(true));
-    document.setCurrentMesh(0);
-    const std::string surface = apply(plugin, action, document, list, succeeded);
-    if (!succeeded) fail(surface);
-    std::printf("the same, stopped at the parametric surface:\n%s", surface.c_str());
+QAction* action_of(HostInterface& plugin, shrinkwrap::Filter filter) {
+  for (QAction* action : plugin.actions())
+    if (action->text() == shrinkwrap::filter_name(filter)) return action;
+  fail(std::string("there is no filter ") + shrinkwrap::filter_name(filter));
+}
+
+RichParameterList defaults_of(HostInterface& plugin, QAction* action, MeshDocument& document) {
+#if SHRINKWRAP_MESHLAB_GENERATION == 2020
+  RichParameterList list;
+  plugin.initParameterSet(action, document, list);
+  return list;
+#else
+  return plugin.initParameterList(action, document);
+#endif
+}
+
+// Sets an argument by its Python name.
+void set_argument(RichParameterList& list, const char* name, const Value& value) {
+  for (const RichParameter& parameter : list) {
+#if SHRINKWRAP_MESHLAB_GENERATION == 2020
+    const QString python_name = parameter.name().toLower();
+#else
+    const QString python_name = parameter.pythonName();
+#endif
+    if (python_name == name) return list.setValue(parameter.name(), value);
   }
-  // What is wrong must come back as an error, with nothing added to the document.
+  fail(std::string("there is no parameter ") + name);
+}
+
+struct Outcome {
+  std::string error;  // empty if the filter succeeded
+  Values values;
+};
+
+Outcome apply(HostInterface& plugin, QAction* action, MeshDocument& document,
+              const RichParameterList& list) {
+  Outcome outcome;
+#if SHRINKWRAP_MESHLAB_GENERATION == 2020
+  if (!plugin.applyFilter(action, document, list, nullptr))
+    outcome.error = plugin.errorMsg().toStdString();
+#else
+  try {
+    unsigned int mask = MeshModel::MM_UNKNOWN;
+    if (document.mm() != nullptr) document.mm()->updateDataMask(plugin.getRequirements(action));
+    outcome.values = plugin.applyFilter(action, list, document, mask, nullptr);
+  } catch (const MLException& error) {
+    outcome.error = error.what();
+    if (outcome.error.empty()) outcome.error = "(no reason given)";
+  }
+#endif
+  return outcome;
+}
+
+// --- reconstruct ---
+
+void print_values(const char* title, const Values& values) {
+  std::printf("%s:\n", title);
+  for (const auto& [name, value] : values)
+    std::printf("  %s: %s = %s\n", name.c_str(), value.typeName(),
+                qUtf8Printable(value.toString()));
+}
+
+// Names and types as documented: a script may rely on them.
+void expect_documented(const Values& values) {
+  if (!kHasResultMap) return;
+  for (const char* name :
+       {"vertices", "faces", "components", "genus", "border_loops", "self_intersecting_faces",
+        "samples", "samples_matched", "samples_missing", "extra_vertices", "seconds_total"})
+    expect(values.count(name) == 1, std::string("a value ") + name);
+  for (const auto& [name, value] : values) {
+    const bool is_time = name.rfind("seconds_", 0) == 0;
+    expect(std::strcmp(value.typeName(), is_time ? "double" : "int") == 0,
+           name + " to be of its type, not " + value.typeName());
+  }
+}
+
+void expect_refused(HostInterface& plugin, QAction* action, MeshDocument& document,
+                    const RichParameterList& list, const char* what, const char* word) {
+  const std::size_t layers = shrinkwrap::layers_of(document).size();
+  const MeshModel* const current = document.mm();
+  const Outcome outcome = apply(plugin, action, document, list);
+  expect(!outcome.error.empty(), std::string(what) + " to be refused");
+  expect(outcome.error.find(word) != std::string::npos,
+         std::string(what) + " to be refused by name, not with: " + outcome.error);
+  expect(shrinkwrap::layers_of(document).size() == layers && document.mm() == current,
+         "a failed run to leave the document");
+  std::printf("%s is refused: %s\n", what, outcome.error.c_str());
+}
+
+void reconstruct(HostInterface& plugin, const char* cloud, const char* file) {
+  QAction* const action = action_of(plugin, shrinkwrap::Filter::reconstruct);
   MeshDocument document;
-  document.addNewMesh("", "empty", true);
-  const RichParameterList list = parameters_of(plugin, action, document);
-  const std::string error = apply(plugin, action, document, list, succeeded);
-  if (succeeded) fail("an empty layer was accepted");
-  if (shrinkwrap::layers_of(document).size() != 1) fail("a failed run changed the document");
-  std::printf("an empty layer is refused: %s\n", error.c_str());
+  load(document, cloud);
+  MeshModel* const samples = document.mm();
+  if (sizeof(MESHLAB_SCALAR) == sizeof(double))  // coordinates that single precision cannot hold
+    for (auto& vertex : samples->cm.vert) vertex.P() *= 1.0 + std::ldexp(1.0, -40);
+  const std::set<Position> positions = positions_of(samples->cm);
+
+  RichParameterList list = defaults_of(plugin, action, document);
+  Outcome outcome = apply(plugin, action, document, list);
+  if (!outcome.error.empty()) fail(outcome.error);
+  print_values("with the defaults", outcome.values);
+  expect_documented(outcome.values);
+  const CMeshO& mesh = document.mm()->cm;
+  expect(document.mm() != samples && mesh.fn > 0, "a new layer with faces");
+  expect(positions_of(mesh) == positions && static_cast<std::size_t>(mesh.vn) == positions.size(),
+         "every sample to be one vertex, bit for bit, and nothing else");
+  std::printf("%d vertices, %d faces; every sample is one vertex, bit for bit (%s)\n", mesh.vn,
+              mesh.fn, sizeof(MESHLAB_SCALAR) == sizeof(double) ? "double" : "float");
+  dump(mesh, file);
+
+  document.setCurrentMesh(samples->id());
+  set_argument(list, "stopatparametricsurface", BoolValue(true));
+  set_argument(list, "fititerations", IntValue(3));
+  set_argument(list, "voxelsize", FloatValue(2.0f));
+  outcome = apply(plugin, action, document, list);
+  if (!outcome.error.empty()) fail(outcome.error);
+  print_values("stopped at the parametric surface", outcome.values);
+  expect_documented(outcome.values);
+  expect(positions_of(document.mm()->cm) != positions, "the argument to be heeded");
+
+  document.setCurrentMesh(samples->id());
+  set_argument(list, "voxelsize", FloatValue(-3.0f));
+  expect_refused(plugin, action, document, list, "a voxel size of -3", "VoxelSize");
+  MeshDocument empty;
+  empty.addNewMesh("", "empty", true);
+  expect_refused(plugin, action, empty, defaults_of(plugin, action, empty), "an empty layer",
+                 "no points");
 }
 
 #if SHRINKWRAP_MESHLAB_GENERATION == 2021
 
+// --- functions: as the classes that PyMeshLab is made of tell them ---
+
 void print_functions(HostInterface& plugin) {
-  MeshDocument document;
-  document.addNewMesh("", "cloud", true);
+  const pymeshlab::FunctionSet& functions = pymeshlab::functionSetInstance();
   for (QAction* action : plugin.actions()) {
-    const int id = plugin.ID(action);
-    std::printf("\n## %s\n\n`%s`\n\n| parameter | type | default |\n|---|---|---|\n",
-                qUtf8Printable(plugin.filterName(id)), qUtf8Printable(plugin.pythonFilterName(id)));
-    for (const RichParameter& parameter : plugin.initParameterList(action, document)) {
-      const QString name = parameter.pythonName();
-      const char* type = parameter.value().isBool()    ? "bool"
-                         : parameter.value().isFloat() ? "float"
-                                                       : "int";
-      QString value;
-      if (parameter.value().isBool())
-        value = parameter.value().getBool() ? "True" : "False";
-      else if (parameter.value().isFloat())
-        value = QString::number(parameter.value().getFloat());
-      else
-        value = QString::number(parameter.value().getInt());
-      if (parameter.isOfType<RichEnum>()) type = "int, number of the choice";
-      if (parameter.isOfType<RichMesh>()) {
-        type = "int, id of a layer";
-        value = "the current layer";
-      }
-      std::printf("| `%s` | %s | %s |\n", qUtf8Printable(name), type, qUtf8Printable(value));
+    const QString name = plugin.pythonFilterName(action);
+    expect(functions.containsFilterFunction(name), "a function " + name.toStdString());
+    const pymeshlab::Function& function = functions.filterFunction(name);
+    expect(function.meshlabFunctionName() == plugin.filterName(action),
+           "the function to be that filter");
+    shrinkwrap::testing::PythonFunction shown{
+        plugin.filterName(action).toStdString(), name.toStdString(), {}};
+    for (const pymeshlab::FunctionParameter& parameter : function) {
+      shrinkwrap::testing::PythonParameter row{parameter.pythonName().toStdString(),
+                                               parameter.pythonTypeString().toStdString(),
+                                               parameter.defaultValueString().toStdString(),
+                                               {}};
+      const RichParameter& rich = parameter.richParameter();
+      if (const auto* choice = dynamic_cast<const RichEnum*>(&rich))
+        for (const QString& value : choice->enumvalues) row.choices.push_back(value.toStdString());
+      if (rich.isOfType<RichMesh>()) row.value = "id of a layer that fits";
+      shown.parameters.push_back(row);
     }
+    shrinkwrap::testing::print_python_function(shown);
   }
 }
+
+// --- builtins: the host's own reconstructions, with their defaults, beside ours ---
 
 struct HostFilter {
   FilterPlugin* plugin = nullptr;
   QAction* action = nullptr;
 };
-HostFilter find_filter(PluginManager& manager, const QString& python_name) {
-  for (FilterPlugin* plugin : manager.filterPluginIterator())
+HostFilter find_filter(const QString& python_name) {
+  for (FilterPlugin* plugin : meshlab::pluginManagerInstance().filterPluginIterator())
     for (QAction* action : plugin->actions())
-      if (plugin->pythonFilterName(plugin->ID(action)) == python_name) return {plugin, action};
+      if (plugin->pythonFilterName(action) == python_name) return {plugin, action};
   return {};
 }
 
-std::string apply_with_defaults(const HostFilter& filter, MeshDocument& document) {
-  bool succeeded = false;
-  const std::string text =
-      apply(*filter.plugin, filter.action, document,
-            filter.plugin->initParameterList(filter.action, document), succeeded);
-  return succeeded ? "" : text;
+Outcome apply_with_defaults(const HostFilter& filter, MeshDocument& document) {
+  return apply(*filter.plugin, filter.action, document,
+               filter.plugin->initParameterList(filter.action, document));
 }
 
-using Position = std::array<MESHLAB_SCALAR, 3>;
-std::set<Position> positions_of(const CMeshO& mesh) {
-  std::set<Position> positions;
-  for (const auto& vertex : mesh.vert)
-    if (!vertex.IsD()) positions.insert({vertex.cP()[0], vertex.cP()[1], vertex.cP()[2]});
-  return positions;
+void run_builtin(const char* name, const char* cloud) {
+  const HostFilter filter = find_filter(name);
+  if (filter.plugin == nullptr) {
+    std::printf("| `%s` | not in this build of MeshLab | | | |\n", name);
+    return;
+  }
+  MeshDocument document;
+  load(document, cloud);
+  const std::set<Position> samples = positions_of(document.mm()->cm);
+  if (const HostFilter normals = find_filter("compute_normal_for_point_clouds"); normals.plugin) {
+    document.mm()->updateDataMask(MeshModel::MM_VERTNORMAL);  // which Screened Poisson wants
+    apply_with_defaults(normals, document);
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  const Outcome outcome = apply_with_defaults(filter, document);
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  const CMeshO& mesh = document.mm()->cm;
+  if (!outcome.error.empty() || mesh.fn == 0) {
+    std::printf("| `%s` | no mesh: %s | | | |\n", name, outcome.error.c_str());
+    return;
+  }
+  std::size_t kept = 0;
+  for (const Position& position : positions_of(mesh)) kept += samples.count(position);
+  std::printf("| `%s` | %d | %d | %zu of %zu | %.2f |\n", name, mesh.vn, mesh.fn, kept,
+              samples.size(), seconds);
 }
 
-// The host's own reconstructions of the same cloud, with their defaults, beside ours.
-void run_builtins(PluginManager& manager, const char* cloud) {
+void run_builtins(const char* cloud, const char* folder) {
+  try {
+    meshlab::pluginManagerInstance().loadPlugins(QDir(QString::fromLocal8Bit(folder)));
+  } catch (const MLException& error) {
+    std::fprintf(stderr, "%s\n", error.what());  // told of some; the others are loaded
+  }
   std::printf(
       "| filter | vertices | faces | samples kept | seconds |\n|---|---:|---:|---:|---:|\n");
   for (const char* name :
        {"generate_surface_reconstruction_shrink_wrap",
         "generate_surface_reconstruction_ball_pivoting",
         "generate_surface_reconstruction_screened_poisson", "generate_alpha_wrap"}) {
-    const HostFilter filter = find_filter(manager, name);
-    if (filter.plugin == nullptr) {
-      std::printf("| %s | not in this MeshLab | | | |\n", name);
-      continue;
-    }
-    MeshDocument document;
-    load_cloud(document, cloud);
-    const std::set<Position> samples = positions_of(document.mm()->cm);
-    const HostFilter normals = find_filter(manager, "compute_normal_for_point_clouds");
-    if (normals.plugin != nullptr) {  // which Screened Poisson wants
-      document.mm()->updateDataMask(MeshModel::MM_VERTNORMAL);
-      apply_with_defaults(normals, document);
-    }
-    document.mm()->updateDataMask(filter.plugin->getRequirements(filter.action));
-    const auto begin = std::chrono::steady_clock::now();
-    const std::string error = apply_with_defaults(filter, document);
-    const double seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    const CMeshO& mesh = document.mm()->cm;
-    if (!error.empty() || mesh.fn == 0) {
-      std::printf("| %s | no mesh | | | |\n", name);
-      continue;
-    }
-    std::size_t kept = 0;
-    for (const Position& position : positions_of(mesh)) kept += samples.count(position);
-    std::printf("| %s | %d | %d | %zu of %zu | %.2f |\n", name, mesh.vn, mesh.fn, kept,
-                samples.size(), seconds);
+    run_builtin(name, cloud);
+    std::fflush(stdout);
   }
+}
+
+// As pymeshlab.load_plugin does it.
+HostInterface* load_plugin(const QString& file) {
+  try {
+    PluginManager::checkPlugin(file);
+    auto* plugin = dynamic_cast<HostInterface*>(meshlab::pluginManagerInstance().loadPlugin(file));
+    if (plugin == nullptr) fail("no plugin of filters");
+    pymeshlab::functionSetInstance().loadFilterPlugin(plugin);
+    return plugin;
+  } catch (const MLException& error) {
+    fail(error.what());
+  }
+}
+
+#else
+
+HostInterface* load_plugin(const QString& file) {
+  static_assert(!kHasResultMap, "another generation");
+  QPluginLoader loader(file);
+  auto* plugin = qobject_cast<HostInterface*>(loader.instance());
+  if (plugin == nullptr) fail(loader.errorString().toStdString());
+  return plugin;
 }
 
 #endif
@@ -228,38 +336,23 @@ void run_builtins(PluginManager& manager, const char* cloud) {
 
 int main(int argc, char** argv) {
   QApplication application(argc, argv);
-  if (argc < 3)
-    fail(
-        "usage: scripting_driver PLUGIN functions | reconstruct CLOUD DUMP | builtins CLOUD "
-        "FOLDER");
-#if SHRINKWRAP_MESHLAB_GENERATION == 2020
-  QPluginLoader loader(QString::fromLocal8Bit(argv[1]));
-  auto* plugin = qobject_cast<HostInterface*>(loader.instance());
-  if (plugin == nullptr) fail(loader.errorString().toStdString());
-#else
-  PluginManager manager;
-  HostInterface* plugin = nullptr;
-  try {
-    plugin = dynamic_cast<HostInterface*>(manager.loadPlugin(QString::fromLocal8Bit(argv[1])));
-  } catch (const MLException& error) {
-    fail(error.what());
-  }
-  if (plugin == nullptr) fail("no plugin of filters");
-  if (std::strcmp(argv[2], "functions") == 0) {
+  if (argc < 3) fail("usage: see the head of its source");
+  HostInterface* const plugin = load_plugin(QString::fromLocal8Bit(argv[1]));
+  const std::string command = argv[2];
+  if (command == "reconstruct" && argc == 5) {
+    reconstruct(*plugin, argv[3], argv[4]);
+  } else if (command == "dump" && argc == 5) {
+    MeshDocument document;
+    load(document, argv[3]);
+    dump(document.mm()->cm, argv[4]);
+#if SHRINKWRAP_MESHLAB_GENERATION == 2021
+  } else if (command == "functions" && argc == 3) {
     print_functions(*plugin);
-    return 0;
-  }
-  if (std::strcmp(argv[2], "builtins") == 0 && argc == 5) {
-    try {
-      manager.loadPlugins(QDir(QString::fromLocal8Bit(argv[4])));
-    } catch (const MLException& error) {
-      std::fprintf(stderr, "%s\n", error.what());  // some miss libraries of theirs: go on without
-    }
-    run_builtins(manager, argv[3]);
-    return 0;
-  }
+  } else if (command == "builtins" && argc == 5) {
+    run_builtins(argv[3], argv[4]);
 #endif
-  if (std::strcmp(argv[2], "reconstruct") != 0 || argc != 5) fail("unknown arguments");
-  reconstruct(*plugin, argv[3], argv[4]);
+  } else {
+    fail("unknown arguments");
+  }
   return 0;
 }
