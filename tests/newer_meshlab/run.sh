@@ -8,10 +8,14 @@
 # --cloud    the cloud that is reconstructed (default: the cactus of the sample clouds)
 # --keep     leave the chroots where they are (<build>/newer_meshlab/<suite>): the next run is quick
 #
-# For each suite: makes a chroot with debootstrap, builds the plugin in it against that release's own source package,
-# as float and as double (compiled only), does with it what PyMeshLab does, compares its mesh byte for byte with that
-# of the MeshLab installed here, then starts the real MeshLab under Xvfb, applies the filter from its search box, and
-# keeps pictures. Needs root and the network; without, it says so and leaves with 0, since nothing was found wrong.
+# For each suite: makes a chroot with debootstrap; builds the plugin in it against that release's own source package, and
+# runs its test; does with it what PyMeshLab does, and compares the mesh byte for byte with that of the MeshLab installed
+# here; does it again with double coordinates, on that release's common library built with them; times its own
+# reconstructions of the cloud; then starts the real MeshLab under Xvfb, applies the filter from its menu, exports the new
+# layer and compares that too. Pictures are kept.
+#
+# Leaves with 0 if every suite passed; with 0 and the word SKIPPED where root or the archive is missing, since nothing was
+# found wrong; with 1 if anything failed, after the other suites have been tried.
 set -eu
 
 root=$(cd "$(dirname "$0")/../.." && pwd)
@@ -38,6 +42,7 @@ while [ $# -gt 0 ]; do
   esac
   shift
 done
+[ -f "$cloud" ] || die "there is no $cloud"
 
 skip() {
   say "SKIPPED: $*"
@@ -49,6 +54,17 @@ if [ -z "$mirror" ]; then
     /etc/apt/sources.list /etc/apt/sources.list.d/* 2>/dev/null | grep -v security | head -n 1)
 fi
 [ -n "$mirror" ] || skip "no Debian archive in apt's sources: name one with --mirror"
+mirror=${mirror%/}
+
+# An archive that does not answer is the network's fault; one that answers otherwise is no archive.
+command -v wget >/dev/null || require_packages wget
+answer=0
+wget -q --tries=2 --timeout=30 -O /dev/null "$mirror/dists/stable/Release" || answer=$?
+case $answer in
+  0) ;;
+  4) skip "the archive $mirror cannot be reached" ;;
+  *) die "$mirror is no Debian archive (wget left with $answer)" ;;
+esac
 
 # --- the MeshLab installed here: what the others are compared with -------------------------------------------------------
 # shellcheck disable=SC2086  # lists of words
@@ -57,48 +73,65 @@ configure "$build" -DSHRINKWRAP_BUILD_PLUGIN=ON -DSHRINKWRAP_BUILD_TESTS=ON
 compile "$build" scripting_driver filter_shrinkwrap_recon
 place=$build/newer_meshlab
 mkdir -p "$place"
+place=$(cd "$place" && pwd -P)
 QT_QPA_PLATFORM=offscreen "$build/tests/meshlabserver/scripting_driver" "$build/libfilter_shrinkwrap_recon.so" reconstruct \
-  "$cloud" "$place/here.dump" >"$place/here.log" || die "the plugin fails on the MeshLab installed here: $place/here.log"
+  "$cloud" "$place/here.dump" >"$place/here.log" 2>&1 || die "the plugin fails on the MeshLab installed here: $place/here.log"
 
 # --- one suite -----------------------------------------------------------------------------------------------------------
-chroot_packages="g++ cmake make xz-utils meshlab qtbase5-dev libqt5opengl5-dev libeigen3-dev libtbb-dev libcgal-dev libglew-dev
-  libgtest-dev python3 xvfb xauth openbox xdotool imagemagick libgl1-mesa-dri fonts-dejavu-core ca-certificates"
+chroot_packages="g++ ccache cmake make xz-utils qtbase5-dev libqt5opengl5-dev libeigen3-dev libtbb-dev libcgal-dev libglew-dev
+  libgtest-dev python3 python3-gi at-spi2-core dbus xvfb xauth openbox xdotool imagemagick libgl1-mesa-dri
+  fonts-dejavu-core ca-certificates"
 
 inside() {
   chroot "$place/$suite" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
     "$@"
 }
+
+# Ends what still runs in the chroot, which would keep its folders busy, and takes it away.
 leave() {
-  umount "$place/$suite/proc" 2>/dev/null || :
+  for process in /proc/[0-9]*; do
+    case $(readlink "$process/root" 2>/dev/null || :) in
+      "$place/$suite") kill -9 "${process#/proc/}" 2>/dev/null || : ;;
+    esac
+  done
+  if mountpoint -q "$place/$suite/proc"; then
+    umount "$place/$suite/proc" || umount -l "$place/$suite/proc"
+  fi
   [ -n "$keep" ] || rm -rf --one-file-system "${place:?}/$suite"
 }
-suite=''
-trap '[ -z "$suite" ] || leave' EXIT
-trap 'exit 130' HUP INT TERM
+
+# Output only if it fails: its last lines, and where the rest is.
+logged() {
+  log=$1
+  shift
+  "$@" >"$log" 2>&1 || {
+    tail -n 40 "$log" >&2
+    die "$suite: this failed: $* (all of its output: $log)"
+  }
+}
 
 make_chroot() {
-  # A kept archive may be older than its own expiry date says it should be.
-  date_check='Acquire::Check-Valid-Until "false";'
   if [ ! -f "$place/$suite/complete" ]; then
-    umount "$place/$suite/proc" 2>/dev/null || :
+    leave
     rm -rf --one-file-system "${place:?}/$suite"
-    debootstrap --variant=minbase "$suite" "$place/$suite" "$mirror" >"$place/$suite.bootstrap.log" 2>&1 ||
-      skip "$suite cannot be fetched from $mirror ($place/$suite.bootstrap.log)"
-    echo "$date_check" >"$place/$suite/etc/apt/apt.conf.d/99valid"
+    logged "$place/$suite.bootstrap.log" debootstrap --variant=minbase "$suite" "$place/$suite" "$mirror"
+    # A kept copy of an archive may be older than its own expiry date says it should be.
+    echo 'Acquire::Check-Valid-Until "false";' >"$place/$suite/etc/apt/apt.conf.d/99valid"
+    logged "$place/$suite.update.log" inside apt-get -q update
     # shellcheck disable=SC2086  # a list of words
-    { inside apt-get -q update && inside apt-get -q -y --no-install-recommends install $chroot_packages; } \
-      >"$place/$suite.packages.log" 2>&1 || { tail -n 20 "$place/$suite.packages.log" >&2; die "$suite: packages"; }
+    logged "$place/$suite.packages.log" inside apt-get -q -y --no-install-recommends install $chroot_packages
+    # With what it recommends: libraries without which some of its own plugins do not load, and it says so in a window.
+    logged "$place/$suite.meshlab.log" inside apt-get -q -y install meshlab
     touch "$place/$suite/complete"
   fi
   mountpoint -q "$place/$suite/proc" || mount -t proc proc "$place/$suite/proc"
 }
 
 try_suite() {
-  say "--- $suite"
   make_chroot
   version=$(inside dpkg-query -W -f='${Version}' meshlab)
-  say "MeshLab $version"
-  rm -rf "${place:?}/$suite/source"
+  say "$suite: MeshLab $version"
+  rm -rf "${place:?}/$suite/source" "$place/$suite/pictures"
   mkdir "$place/$suite/source"
   (cd "$root" && tar -c --exclude=./build* --exclude=./.git .) | tar -x -C "$place/$suite/source"
   cp "$cloud" "$place/$suite/cloud.ply"
@@ -106,25 +139,47 @@ try_suite() {
   cp -r /usr/include/eigen3 "$place/$suite/eigen/include/"
   cp -r /usr/share/eigen3/cmake "$place/$suite/eigen/share/eigen3/"
 
-  inside sh /source/tests/newer_meshlab/inside.sh >"$place/$suite.log" 2>&1 || {
+  result=0
+  inside sh /source/tests/newer_meshlab/inside.sh >"$place/$suite.log" 2>&1 || result=$?
+  for picture in "$place/$suite"/pictures/*.png; do
+    [ ! -f "$picture" ] || cp "$picture" "$place/$suite.$(basename "$picture")"
+  done
+  [ $result -eq 0 ] || {
     tail -n 40 "$place/$suite.log" >&2
     die "$suite: failed (all of its output: $place/$suite.log)"
   }
   cat "$place/$suite.log"
-  for picture in "$place/$suite"/pictures/*.png; do
-    [ ! -f "$picture" ] || cp "$picture" "$place/$suite.$(basename "$picture")"
-  done
   cp "$place/$suite/functions.md" "$place/$suite.functions.md"
+  cp "$place/$suite/builtins.md" "$place/$suite.builtins.md"
   cmp "$place/here.dump" "$place/$suite/mesh.dump" || die "$suite: another mesh than that of the MeshLab installed here"
-  echo "$suite: MeshLab $version makes the same mesh, byte for byte"
-  # The documented table of functions is that of the newest interface.
-  sed '1,/^<!-- generated/d' "$root/docs/pymeshlab.md" | cmp -s - "$place/$suite/functions.md" ||
+  echo "$suite: MeshLab $version makes the same mesh as the one installed here, byte for byte"
+  sed '1,/^<!-- generated/d' "$root/docs/pymeshlab.md" | cmp - "$place/$suite/functions.md" ||
     die "$suite: docs/pymeshlab.md is not what the plugin says; see $place/$suite.functions.md"
+  echo "$suite: its functions are those of docs/pymeshlab.md"
 }
 
+suite=''
+trap '[ -z "$suite" ] || leave' EXIT
+trap 'exit 130' INT
+trap 'exit 143' HUP TERM
+
+failed=''
 for suite in $suites; do
-  try_suite
+  say "--- $suite"
+  rm -f "$place/$suite".*
+  set +e # a shell of its own ends at the first failure, which it would not as a condition
+  (
+    set -e
+    try_suite
+  )
+  result=$?
+  set -e
   leave
-  echo "$suite: passed; pictures: $place/$suite.*.png"
+  if [ $result -eq 0 ]; then
+    echo "$suite: passed; pictures: $place/$suite.*.png"
+  else
+    failed="$failed $suite"
+  fi
 done
 suite=''
+[ -z "$failed" ] || die "failed:$failed"

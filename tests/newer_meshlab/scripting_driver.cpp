@@ -114,6 +114,11 @@ void set_argument(RichParameterList& list, const char* name, const Value& value)
   fail(std::string("there is no parameter ") + name);
 }
 
+// Filters of the host call it without looking whether there is one.
+bool go_on(const int, const char*) {
+  return true;
+}
+
 struct Outcome {
   std::string error;  // empty if the filter succeeded
   Values values;
@@ -123,13 +128,13 @@ Outcome apply(HostInterface& plugin, QAction* action, MeshDocument& document,
               const RichParameterList& list) {
   Outcome outcome;
 #if SHRINKWRAP_MESHLAB_GENERATION == 2020
-  if (!plugin.applyFilter(action, document, list, nullptr))
+  if (!plugin.applyFilter(action, document, list, go_on))
     outcome.error = plugin.errorMsg().toStdString();
 #else
   try {
     unsigned int mask = MeshModel::MM_UNKNOWN;
     if (document.mm() != nullptr) document.mm()->updateDataMask(plugin.getRequirements(action));
-    outcome.values = plugin.applyFilter(action, list, document, mask, nullptr);
+    outcome.values = plugin.applyFilter(action, list, document, mask, go_on);
   } catch (const MLException& error) {
     outcome.error = error.what();
     if (outcome.error.empty()) outcome.error = "(no reason given)";
