@@ -1,0 +1,214 @@
+#include "attempt.h"
+
+#include <iomanip>
+#include <new>
+#include <ostream>
+#include <sstream>
+
+#include "judge.h"
+#include "process_figures.h"
+
+namespace shrinkwrap::robustness {
+namespace {
+
+constexpr std::size_t kNamesKept = 5;
+constexpr double kSecondsAtMost = 1.0, kSecondsPerPointAtMost = 4e-4;
+
+// The outcome of one run: a mesh, or how it was refused.
+struct Outcome {
+  Reconstruction result;
+  std::string message;  ///< empty: a mesh
+  Verdict verdict = Verdict::crash;
+  bool has_mesh() const { return message.empty(); }
+};
+
+Outcome run(const std::vector<Vec3>& points, const ReconstructionOptions& options, bool resolved) {
+  Outcome outcome;
+  try {
+    Progress progress;
+    outcome.result = reconstruct(points, options, progress);
+  } catch (const InvalidInput& error) {
+    outcome.message = error.what();
+    outcome.verdict = resolved ? Verdict::refused : Verdict::refused_unresolved;
+  } catch (const ReconstructionFailed& error) {
+    outcome.message = error.what();
+    outcome.verdict = resolved ? Verdict::failed : Verdict::failed_unresolved;
+  } catch (const std::bad_alloc&) {
+    outcome.message = "out of memory";
+    outcome.verdict = Verdict::out_of_memory;
+  } catch (const std::exception& error) {
+    outcome.message = error.what();
+    outcome.verdict = Verdict::unexpected_exception;
+  } catch (...) {
+    outcome.message = "unknown exception";
+    outcome.verdict = Verdict::unexpected_exception;
+  }
+  return outcome;
+}
+
+bool same(const Outcome& a, const Outcome& b) {
+  return a.message == b.message && a.result.mesh.position == b.result.mesh.position &&
+         a.result.mesh.triangles == b.result.mesh.triangles &&
+         a.result.mesh.input_index == b.result.mesh.input_index;
+}
+
+bool agrees(const Judgement& judgement, const MeshReport& report) {
+  const bool counts_agree =
+      report.samples_missing == judgement.missing && report.vertices_extra == judgement.extra &&
+      report.closed() == judgement.closed() && report.manifold() == judgement.manifold;
+  const bool counted = judgement.intersecting >= 0 && report.self_intersecting_faces >= 0;
+  return counts_agree &&
+         (!counted || (report.self_intersecting_faces > 0) == (judgement.intersecting > 0));
+}
+
+std::vector<Verdict> verdicts_on(const Judgement& judgement, const Reconstruction& result,
+                                 const ReconstructionOptions& options,
+                                 const Expectation& expectation) {
+  std::vector<Verdict> verdicts;
+  const auto if_so = [&](bool holds, Verdict verdict) {
+    if (holds) verdicts.push_back(verdict);
+  };
+  const bool left_open =
+      options.complete_matching.openings == CompleteMatchingOptions::Openings::leave_open;
+  if_so(!judgement.closed() && !left_open, Verdict::not_closed);
+  if_so(!judgement.manifold, Verdict::not_manifold);
+  if_so(judgement.manifold && judgement.closed() && !judgement.outward, Verdict::not_outward);
+  if_so(!agrees(judgement, result.report), Verdict::dishonest_report);
+  if_so(judgement.moved > 0, Verdict::moved_sample);
+
+  const bool resolved = expectation.resolved;
+  if (!options.stop_at_parametric_surface) {
+    if_so(judgement.missing > 0 || judgement.repeated > 0, Verdict::missing_sample);
+    if_so(judgement.extra > 0, resolved && !expectation.open ? Verdict::extra_vertices
+                                                             : Verdict::extra_vertices_unresolved);
+  }
+  if (judgement.genus >= 0) {
+    const bool right_genus = judgement.genus == expectation.genus;
+    const bool right_components = judgement.components == expectation.components;
+    if_so(resolved && !right_genus, Verdict::wrong_genus);
+    if_so(resolved && !right_components, Verdict::wrong_components);
+    if_so(!resolved && !(right_genus && right_components), Verdict::wrong_topology_unresolved);
+  }
+  if_so(judgement.intersecting > 0,
+        resolved ? Verdict::self_intersecting : Verdict::self_intersecting_unresolved);
+  return verdicts;
+}
+
+}  // namespace
+
+const char* verdict_name(Verdict verdict) {
+  static constexpr const char* names[kVerdictCount] = {
+      "crash",
+      "hang",
+      "out_of_memory",
+      "unexpected_exception",
+      "not_closed",
+      "not_manifold",
+      "not_outward",
+      "missing_sample",
+      "moved_sample",
+      "dishonest_report",
+      "nondeterministic",
+      "too_slow",
+      "failed",
+      "refused",
+      "extra_vertices",
+      "wrong_genus",
+      "wrong_components",
+      "self_intersecting",
+      "wrong_topology_unresolved",
+      "failed_unresolved",
+      "refused_unresolved",
+      "extra_vertices_unresolved",
+      "self_intersecting_unresolved",
+  };
+  return names[static_cast<int>(verdict)];
+}
+
+Severity severity_of(Verdict verdict) {
+  if (verdict < Verdict::failed) return Severity::broken_promise;
+  return verdict < Verdict::wrong_topology_unresolved ? Severity::defect : Severity::note;
+}
+
+Attempt attempt(const std::vector<Vec3>& points, ReconstructionOptions options,
+                const Expectation& expectation, bool compare_threads) {
+  Attempt made;
+  const double before = benchmarking::processor_seconds();
+  if (compare_threads) options.threads = 1;
+  const Outcome outcome = run(points, options, expectation.resolved);
+  const double seconds = benchmarking::processor_seconds() - before;
+  made.figures.add("processor_seconds", seconds);
+  if (seconds > kSecondsAtMost + kSecondsPerPointAtMost * static_cast<double>(points.size()))
+    made.verdicts.push_back(Verdict::too_slow);
+  if (compare_threads) {
+    options.threads = 2;
+    if (!same(outcome, run(points, options, expectation.resolved)))
+      made.verdicts.push_back(Verdict::nondeterministic);
+  }
+  if (!outcome.has_mesh()) {
+    made.figures.add("message", outcome.message);
+    const bool rightly_refused =
+        expectation.invalid && outcome.verdict == Verdict::refused_unresolved;
+    if (!rightly_refused) made.verdicts.push_back(outcome.verdict);
+    return made;
+  }
+
+  const Judgement judgement = judge(points, outcome.result.mesh, true);
+  for (const Verdict verdict : verdicts_on(judgement, outcome.result, options, expectation))
+    made.verdicts.push_back(verdict);
+  made.figures.add("samples", judgement.samples)
+      .add("vertices", judgement.vertices)
+      .add("border_edges", judgement.border_edges)
+      .add("missing", judgement.missing)
+      .add("extra", judgement.extra)
+      .add("components", judgement.components)
+      .add("genus", judgement.genus)
+      .add("intersecting_faces", judgement.intersecting)
+      .add("intersecting_faces_reported", outcome.result.report.self_intersecting_faces)
+      .add("max_foot_distance", outcome.result.complete_matching.max_foot_distance);
+  return made;
+}
+
+std::string to_message(const Attempt& attempt) {
+  std::string verdicts;
+  for (const Verdict verdict : attempt.verdicts)
+    verdicts += std::to_string(static_cast<int>(verdict)) + " ";
+  return verdicts + "\n" + attempt.figures.text();
+}
+
+void Tally::add(const std::string& name, const std::string& message) {
+  std::istringstream verdicts(message.substr(0, message.find('\n')));
+  for (int verdict; verdicts >> verdict;) add(name, static_cast<Verdict>(verdict));
+}
+
+void Tally::add(const std::string& name, Verdict verdict) {
+  Row& row = rows_[verdict];
+  ++row.count;
+  if (row.first.size() < kNamesKept) row.first.push_back(name);
+}
+
+bool Tally::promise_broken() const {
+  // The map is ordered by verdict, the broken promises first.
+  return !rows_.empty() && severity_of(rows_.begin()->first) == Severity::broken_promise;
+}
+
+void Tally::print(std::ostream& out) const {
+  static constexpr const char* headings[] = {"broken promises", "defects on resolved clouds",
+                                             "notes on clouds of which nothing can be expected"};
+  out << attempts_ << " attempts\n";
+  for (const Severity severity : {Severity::broken_promise, Severity::defect, Severity::note}) {
+    out << headings[static_cast<int>(severity)] << ":\n";
+    bool any = false;
+    for (const auto& [verdict, row] : rows_) {
+      if (severity_of(verdict) != severity) continue;
+      any = true;
+      out << "  " << std::left << std::setw(30) << verdict_name(verdict) << std::right
+          << std::setw(7) << row.count << "   first:";
+      for (const std::string& name : row.first) out << " " << name;
+      out << "\n";
+    }
+    if (!any) out << "  none\n";
+  }
+}
+
+}  // namespace shrinkwrap::robustness

@@ -1,0 +1,91 @@
+// One reconstruction and its verdicts, and the tally of many.
+#pragma once
+
+#include <iosfwd>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "json_line.h"
+#include "reconstruct.h"
+
+namespace shrinkwrap::robustness {
+
+/// What can be wrong, the broken promises first. One attempt may earn several.
+enum class Verdict {
+  // Never, whatever the input:
+  crash,
+  hang,
+  out_of_memory,
+  unexpected_exception,  ///< not of the library's own kinds
+  not_closed,
+  not_manifold,
+  not_outward,
+  missing_sample,    ///< V != N: a sample is no vertex, or two
+  moved_sample,      ///< a vertex is not exactly at its sample
+  dishonest_report,  ///< the library's own report says otherwise than the judge
+  nondeterministic,  ///< one and two threads differ
+  too_slow,          ///< more than 1 s and 0.4 ms a sample of processor time
+  // Not on clouds that resolve the shape:
+  failed,
+  refused,
+  extra_vertices,  ///< V != N: vertices that are no sample
+  wrong_genus,
+  wrong_components,
+  self_intersecting,
+  // Known limits: honest refusals of clouds that nobody could promise, and what else is of
+  // interest.
+  wrong_topology_unresolved,
+  failed_unresolved,
+  refused_unresolved,
+  extra_vertices_unresolved,
+  self_intersecting_unresolved,
+};
+constexpr int kVerdictCount = 23;
+const char* verdict_name(Verdict verdict);
+enum class Severity { broken_promise, defect, note };
+Severity severity_of(Verdict verdict);
+
+/// What is known of the cloud.
+struct Expectation {
+  bool invalid = false;   ///< must be refused as invalid input
+  bool resolved = false;  ///< dense and clean enough: must succeed, with these figures
+  bool open = false;      ///< the object has openings: extra vertices are allowed
+  int genus = 0;
+  int components = 1;
+};
+
+struct Attempt {
+  std::vector<Verdict> verdicts;
+  benchmarking::JsonLine figures;
+};
+
+/// Reconstructs and judges, with as many threads as the options say; `compare_threads`: also with
+/// one and with two threads, and compares. Throws nothing.
+Attempt attempt(const std::vector<Vec3>& points, ReconstructionOptions options,
+                const Expectation& expectation, bool compare_threads);
+
+/// A line of verdicts and a line of figures, to be sent through a pipe, and back.
+std::string to_message(const Attempt& attempt);
+
+/// Counts verdicts and keeps the names of the first few attempts that earned each.
+class Tally {
+ public:
+  /// `message` as to_message makes it.
+  void add(const std::string& name, const std::string& message);
+  void add(const std::string& name, Verdict verdict);
+  void count_attempt() { ++attempts_; }
+
+  bool promise_broken() const;
+  void print(std::ostream& out) const;
+
+ private:
+  struct Row {
+    long count = 0;
+    std::vector<std::string> first;
+  };
+  std::map<Verdict, Row> rows_;
+  long attempts_ = 0;
+};
+
+}  // namespace shrinkwrap::robustness

@@ -1,0 +1,257 @@
+#include "cases.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace shrinkwrap::robustness {
+namespace {
+
+using testing::Random;
+using testing::SamplingDomain;
+
+constexpr double kLeastFeature = 4.0;        // x spacing
+constexpr double kLeastRandomFeature = 5.0;  // of samples that leave gaps
+constexpr double kMostDisplacement = 0.1;    // x spacing
+constexpr Index kFewestSamples = 200;
+constexpr double kLineDistance = 3.0;  // of scan lines, x distance of samples within a line
+
+template <class Value, std::size_t size>
+Value one_of(const Value (&values)[size], Random& random) {
+  return values[random.below(static_cast<Index>(size))];
+}
+
+double area_of(const Solid& solid, Random& random) {
+  return testing::sample_implicit(solid.implicit, solid.domain, 500, random).area;
+}
+
+bool is_kept(const SamplingDomain& domain, const Vec3& p) {
+  return !domain.keep || domain.keep(p);
+}
+
+// Moves the samples onto planes z = const, along the surface. Those that do not arrive are left
+// out.
+std::vector<Vec3> on_scan_lines(const Solid& solid, const std::vector<Vec3>& samples,
+                                double distance) {
+  std::vector<Vec3> moved;
+  for (Vec3 p : samples) {
+    p.z() = distance * (std::floor(p.z() / distance) + 0.5);
+    double value = solid.implicit(p);
+    for (int step = 0; step < 20 && std::abs(value) > 1e-9; ++step) {
+      Vec3 direction = solid.normal(p);
+      direction.z() = 0.0;
+      const double slope = direction.norm();
+      if (slope < 0.2) break;
+      p -= value / slope * (direction / slope);
+      value = solid.implicit(p);
+    }
+    if (std::abs(value) <= 1e-9 && is_kept(solid.domain, p)) moved.push_back(p);
+  }
+  // As a scanner delivers them: line by line.
+  std::sort(moved.begin(), moved.end(), [](const Vec3& a, const Vec3& b) {
+    return a.z() != b.z() ? a.z() < b.z() : std::atan2(a.y(), a.x()) < std::atan2(b.y(), b.x());
+  });
+  return moved;
+}
+
+// Where a line along an axis enters and leaves.
+void add_crossings(const Solid& solid, Vec3 p, int axis, std::vector<Vec3>& crossings) {
+  const double end = solid.radius, least_step = 2e-3 * solid.radius;
+  p[axis] = -end;
+  double value = solid.implicit(p);
+  while (p[axis] < end) {
+    Vec3 next = p;
+    next[axis] += std::max(std::abs(value), least_step);
+    const double next_value = solid.implicit(next);
+    if ((value < 0.0) != (next_value < 0.0)) {
+      double low = p[axis], high = next[axis];
+      Vec3 q = p;
+      for (int i = 0; i < 45; ++i) {
+        q[axis] = 0.5 * (low + high);
+        ((solid.implicit(q) < 0.0) == (value < 0.0) ? low : high) = q[axis];
+      }
+      if (is_kept(solid.domain, q)) crossings.push_back(q);
+    }
+    p = next;
+    value = next_value;
+  }
+}
+
+std::vector<Vec3> on_grid(const Solid& solid, double distance) {
+  std::vector<Vec3> crossings;
+  const int lines = static_cast<int>(std::ceil(solid.radius / distance));
+  for (int axis = 0; axis < 3; ++axis)
+    for (int i = -lines; i <= lines; ++i)
+      for (int j = -lines; j <= lines; ++j) {
+        Vec3 p = Vec3::Zero();
+        // Half a cell off, so that no line runs within a face or through an edge of a shape.
+        p[(axis + 1) % 3] = (i + 0.5) * distance;
+        p[(axis + 2) % 3] = (j + 0.5) * distance;
+        add_crossings(solid, p, axis, crossings);
+      }
+  return crossings;
+}
+
+std::vector<Vec3> sample(const Case& generated, const Solid& solid, Index count, double spacing,
+                         Random& random) {
+  if (generated.sampling == Sampling::blue_noise)
+    return testing::sample_implicit_blue_noise(solid.implicit, solid.domain, count, random).points;
+  // A line of a cubic grid of unit distance meets a surface 1.5 times per unit area.
+  if (generated.sampling == Sampling::grid) return on_grid(solid, spacing * std::sqrt(1.5));
+  std::vector<Vec3> samples =
+      testing::sample_implicit(solid.implicit, solid.domain, count, random).points;
+  if (generated.sampling == Sampling::scan_lines)
+    return on_scan_lines(solid, samples, spacing * std::sqrt(kLineDistance));
+  return samples;
+}
+
+// Thins the samples out from one side to the other, exponentially.
+std::vector<Vec3> with_density_ratio(const std::vector<Vec3>& samples, double ratio, double radius,
+                                     Random& random) {
+  std::vector<Vec3> kept;
+  for (const Vec3& p : samples) {
+    const double along = std::clamp(0.5 + 0.5 * p.x() / radius, 0.0, 1.0);
+    if (random.uniform() < std::pow(ratio, -along)) kept.push_back(p);
+  }
+  return kept;
+}
+
+// Share of the samples that survives, were they uniform along x.
+double mean_density(double ratio) {
+  return ratio > 1.0 ? (1.0 - 1.0 / ratio) / std::log(ratio) : 1.0;
+}
+
+void quantise(std::vector<Vec3>& points, double quantum) {
+  for (Vec3& p : points)
+    for (int axis = 0; axis < 3; ++axis) p[axis] = quantum * std::round(p[axis] / quantum);
+}
+
+bool is_resolved(const Case& generated, const Solid& solid, Index samples, double spacing,
+                 double rounding) {
+  if (generated.sampling == Sampling::scan_lines || generated.density_ratio > 1.0 ||
+      generated.outliers > 0.0 || samples < kFewestSamples)
+    return false;
+  const bool even =
+      generated.sampling == Sampling::blue_noise || generated.sampling == Sampling::grid;
+  const double displacement = generated.noise + 0.3 * generated.quantum + rounding / spacing;
+  return displacement <= kMostDisplacement &&
+         solid.least_feature >= (even ? kLeastFeature : kLeastRandomFeature) * spacing;
+}
+
+}  // namespace
+
+const char* sampling_name(Sampling sampling) {
+  static constexpr const char* names[] = {"random", "blue_noise", "scan_lines", "quantised",
+                                          "grid"};
+  return names[static_cast<int>(sampling)];
+}
+
+const char* variant_name(Variant variant) {
+  static constexpr const char* names[] = {"standard", "leave_open", "stop_at_surface",
+                                          "as_in_the_paper"};
+  return names[static_cast<int>(variant)];
+}
+
+Case case_of(std::uint64_t number) {
+  Random random(number);
+  Case made;
+  made.number = number;
+  made.solid = static_cast<SolidKind>(random.below(kSolidCount));
+  made.drawn_thickness = random.uniform();
+  made.sampling = static_cast<Sampling>(random.below(kSamplingCount));
+  const auto now_and_then = [&](double share) { return random.uniform() < share; };
+  made.count = now_and_then(0.1) ? 4 + random.below(496)
+                                 : static_cast<Index>(500.0 * std::pow(10.0, random.uniform()));
+  if (made.sampling == Sampling::quantised) made.quantum = one_of({0.02, 0.1, 0.25, 1.0}, random);
+  // Half of the clouds are clean, and most of the others have but one or two defects.
+  if (now_and_then(0.5)) {
+    if (now_and_then(0.5)) made.noise = one_of({0.02, 0.1, 0.25, 0.5, 1.0}, random);
+    if (now_and_then(0.4)) made.density_ratio = one_of({3.0, 10.0, 100.0}, random);
+    if (now_and_then(0.3)) made.outliers = one_of({0.001, 0.005, 0.05}, random);
+  }
+  made.rotated = now_and_then(0.5);
+  if (now_and_then(0.4)) made.scale_exponent = static_cast<int>(random.below(25)) - 12;
+  if (now_and_then(0.3))
+    // The second: an object of 100 m in a national grid.
+    made.offset =
+        one_of({Vec3(1.0, -2.0, 0.5), Vec3(5e3, 5.4e4, 3.0), Vec3(1e8, 0.0, -1e9)}, random);
+  made.single_precision = now_and_then(0.5);
+  if (now_and_then(0.2)) made.variant = static_cast<Variant>(1 + random.below(3));
+  return made;
+}
+
+ReconstructionOptions options_of(const Case& generated) {
+  ReconstructionOptions options;
+  if (generated.variant == Variant::as_in_the_paper) options = as_in_the_paper();
+  if (generated.variant == Variant::leave_open)
+    options.complete_matching.openings = CompleteMatchingOptions::Openings::leave_open;
+  options.stop_at_parametric_surface = generated.variant == Variant::stop_at_surface;
+  options.host_scalar =
+      generated.single_precision ? HostScalar::single_precision : HostScalar::double_precision;
+  return options;
+}
+
+CaseCloud cloud_of(const Case& generated) {
+  Random random(~generated.number);
+  const Solid solid = solid_of(generated.solid, generated.drawn_thickness);
+  const double area = area_of(solid, random);
+  const double spacing = std::sqrt(area / generated.count);
+
+  const double density = mean_density(generated.density_ratio);
+  const auto drawn = static_cast<Index>(std::ceil(generated.count / density));
+  std::vector<Vec3> points = sample(generated, solid, drawn, spacing * std::sqrt(density), random);
+  if (generated.density_ratio > 1.0)
+    points = with_density_ratio(points, generated.density_ratio, solid.radius, random);
+
+  for (Vec3& p : points) {
+    if (random.uniform() < generated.outliers) p = 1.5 * solid.radius * random.in_cube();
+    for (int axis = 0; axis < 3; ++axis) p[axis] += generated.noise * spacing * random.gaussian();
+  }
+  if (generated.quantum > 0.0) quantise(points, generated.quantum * spacing);
+
+  const Eigen::Matrix3d rotation = Eigen::Quaterniond(random.uniform(), random.uniform(),
+                                                      random.uniform(), 0.1 + random.uniform())
+                                       .normalized()
+                                       .toRotationMatrix();
+  const double scale = std::pow(10.0, generated.scale_exponent);
+  double largest = 0.0;
+  for (Vec3& p : points) {
+    if (generated.rotated) p = rotation * p;
+    p = scale * (p + generated.offset);
+    if (generated.single_precision) p = p.cast<float>().cast<double>();
+    largest = std::max(largest, p.cwiseAbs().maxCoeff());
+  }
+
+  CaseCloud cloud;
+  const double rounding = largest / scale * (generated.single_precision ? 0x1p-24 : 0x1p-53);
+  const double mean_spacing = std::sqrt(area / std::max(1.0, static_cast<double>(points.size())));
+  cloud.least_feature = solid.least_feature / mean_spacing;
+  // The paper's start is a box, of genus 0, and cannot enter a cavity: nothing can be expected.
+  cloud.expectation.resolved =
+      generated.variant != Variant::as_in_the_paper &&
+      is_resolved(generated, solid, static_cast<Index>(points.size()), mean_spacing, rounding);
+  cloud.expectation.open = !solid.closed;
+  cloud.expectation.genus = solid.genus;
+  cloud.expectation.components = solid.components;
+  cloud.points = std::move(points);
+  return cloud;
+}
+
+benchmarking::JsonLine describe(const Case& generated) {
+  return benchmarking::JsonLine()
+      .add("case", generated.number)
+      .add("solid", solid_of(generated.solid, generated.drawn_thickness).name)
+      .add("sampling", sampling_name(generated.sampling))
+      .add("variant", variant_name(generated.variant))
+      .add("count", generated.count)
+      .add("quantum", generated.quantum)
+      .add("noise", generated.noise)
+      .add("density_ratio", generated.density_ratio)
+      .add("outliers", generated.outliers)
+      .add("rotated", generated.rotated)
+      .add("scale_exponent", generated.scale_exponent)
+      .add("offset", generated.offset.cwiseAbs().maxCoeff())
+      .add("single_precision", generated.single_precision);
+}
+
+}  // namespace shrinkwrap::robustness

@@ -1,0 +1,59 @@
+// Generated clouds: everything about a case follows from its number.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "attempt.h"
+#include "json_line.h"
+#include "solids.h"
+
+namespace shrinkwrap::robustness {
+
+enum class Sampling {
+  random,
+  blue_noise,
+  scan_lines,  ///< on parallel planes, three times as far apart as the samples within one
+  quantised,   ///< random, rounded to a lattice
+  grid,        ///< where the lines of a cubic grid meet the surface
+};
+constexpr int kSamplingCount = 5;
+const char* sampling_name(Sampling sampling);
+
+/// What is asked of the reconstruction.
+enum class Variant { standard, leave_open, stop_at_surface, as_in_the_paper };
+const char* variant_name(Variant variant);
+
+struct Case {
+  std::uint64_t number = 0;
+  SolidKind solid = SolidKind::sphere;
+  double drawn_thickness = 0.0;  ///< of solid_of
+  Sampling sampling = Sampling::random;
+  Variant variant = Variant::standard;
+  Index count = 0;             ///< of samples aimed at
+  double quantum = 0.0;        ///< of quantised samples, x spacing
+  double noise = 0.0;          ///< deviation in each coordinate, x spacing
+  double density_ratio = 1.0;  ///< of the densest to the thinnest side
+  double outliers = 0.0;       ///< fraction of the samples
+  bool rotated = false;        ///< nothing lies along an axis
+  int scale_exponent = 0;      ///< scaled by ten to this
+  Vec3 offset = Vec3::Zero();  ///< x size of the object
+  bool single_precision = false;
+};
+Case case_of(std::uint64_t number);
+ReconstructionOptions options_of(const Case& generated);
+
+struct CaseCloud {
+  std::vector<Vec3> points;
+  Expectation expectation;
+  double least_feature = 0.0;  ///< x mean spacing
+};
+/// A case is resolved if its samples are spread evenly (not scan lines, density ratio 1), lie
+/// within a tenth of a spacing of the surface (rounding included), have no outliers, are at least
+/// 200, and if the thinnest wall, gap or hole measures at least 4 spacings (5 of random samples).
+CaseCloud cloud_of(const Case& generated);
+
+benchmarking::JsonLine describe(const Case& generated);
+
+}  // namespace shrinkwrap::robustness

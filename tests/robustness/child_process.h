@@ -1,0 +1,55 @@
+// Work that may crash, hang or eat the memory, done in a process of its own.
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+namespace shrinkwrap::robustness {
+
+struct ChildLimits {
+  double seconds = 120.0;           ///< of the clock; then the child is killed
+  double processor_seconds = 30.0;  ///< of all its threads; then the system kills it
+  std::uint64_t memory_bytes = std::uint64_t{4} << 30;  ///< of address space (no limit under ASan)
+};
+
+struct ChildOutcome {
+  enum class End { finished, crashed, too_slow };
+  End end = End::finished;
+  std::string how;     ///< if it did not finish: the signal or the exit code
+  std::string output;  ///< what the work returned
+  double seconds = 0.0;
+};
+
+/// Pre: the parent has one thread (a forked copy of a thread pool would be dead).
+class ChildProcess {
+ public:
+  /// Forks; the child runs `work`, hands its result (at most 60,000 bytes) over and leaves.
+  ChildProcess(const std::function<std::string()>& work, const ChildLimits& limits);
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+  ~ChildProcess();
+
+  /// True once the child has ended; kills it when its time is over. Never waits.
+  bool has_ended();
+  /// Pre: has_ended().
+  const ChildOutcome& outcome() const { return outcome_; }
+
+ private:
+  void collect(int status);
+
+  pid_t child_ = -1;
+  int pipe_ = -1;
+  bool killed_ = false;
+  double limit_ = 0.0;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  ChildOutcome outcome_;
+};
+
+/// Runs `work` in a child and waits for it.
+ChildOutcome run_in_child(const std::function<std::string()>& work, const ChildLimits& limits);
+
+}  // namespace shrinkwrap::robustness

@@ -1,0 +1,37 @@
+// Self-intersections by CGAL, in a file of their own because they take long to compile.
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/self_intersections.h>
+#include <CGAL/Surface_mesh.h>
+
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "judge.h"
+
+namespace shrinkwrap::robustness {
+
+Index count_intersecting_faces(const ResultMesh& mesh) {
+  using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+  using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
+  using Face = Mesh::Face_index;
+
+  Mesh surface;
+  std::vector<Mesh::Vertex_index> vertices;
+  vertices.reserve(mesh.position.size());
+  for (const Vec3& p : mesh.position) vertices.push_back(surface.add_vertex({p.x(), p.y(), p.z()}));
+  for (const auto& [a, b, c] : mesh.triangles)
+    surface.add_face(vertices[static_cast<std::size_t>(a)], vertices[static_cast<std::size_t>(b)],
+                     vertices[static_cast<std::size_t>(c)]);
+
+  std::vector<std::pair<Face, Face>> pairs;
+  CGAL::Polygon_mesh_processing::self_intersections(surface, std::back_inserter(pairs));
+  std::set<Face> faces;
+  for (const auto& [f, g] : pairs) {
+    faces.insert(f);
+    faces.insert(g);
+  }
+  return static_cast<Index>(faces.size());
+}
+
+}  // namespace shrinkwrap::robustness

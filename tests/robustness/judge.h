@@ -1,0 +1,35 @@
+// What a reconstruction is, judged from points and triangles by nothing of the library.
+#pragma once
+
+#include <vector>
+
+#include "result_mesh.h"
+#include "types.h"
+
+namespace shrinkwrap::robustness {
+
+struct Judgement {
+  Index samples = 0;       ///< distinct finite points
+  Index vertices = 0;      ///< of the mesh, used or not
+  Index unused = 0;        ///< vertices without a face
+  Index border_edges = 0;  ///< of one face
+  bool manifold =
+      false;  ///< but for the border: every edge two faces that agree, every vertex one fan
+  Index components = 0;
+  Index genus = -1;  ///< summed; -1 unless closed and manifold
+  bool outward = false;
+  Index missing = 0;        ///< samples that are no vertex
+  Index repeated = 0;       ///< vertices at the place of another
+  Index extra = 0;          ///< vertices that are no sample
+  Index moved = 0;          ///< vertices not at the point that they are said to be
+  Index intersecting = -1;  ///< faces that cut others; -1: not counted
+
+  bool closed() const { return border_edges == 0; }
+};
+
+Judgement judge(const std::vector<Vec3>& points, const ResultMesh& mesh, bool count_intersections);
+
+/// Faces that cut others (CGAL, exact). Pre: manifold, no unused vertices.
+Index count_intersecting_faces(const ResultMesh& mesh);
+
+}  // namespace shrinkwrap::robustness

@@ -1,0 +1,51 @@
+// The objects whose surfaces are sampled: those of the unit tests, and others of a drawn thickness,
+// many parts, hollows or extreme proportions.
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "shapes.h"
+
+namespace shrinkwrap::robustness {
+
+/// A solid within the ball of `radius` about the origin, and what is known of its surface.
+struct Solid {
+  std::string name;
+  int genus = 0;  ///< summed over the components
+  int components = 1;
+  bool closed = true;
+  double least_feature = 1.0;  ///< thinnest wall, gap or hole
+  double radius = 1.0;
+  testing::ImplicitFunction implicit;
+  testing::SamplingDomain domain;
+
+  Vec3 normal(const Vec3& p) const;  ///< unit, outward, by central differences
+};
+
+enum class SolidKind {
+  sphere,
+  torus,
+  double_torus,
+  box,
+  thin_plate,
+  bowl,
+  two_spheres,
+  blob,
+  hemisphere,  ///< open
+  wall,        ///< a plate with sharp edges of a drawn thickness
+  slot,        ///< a block with a slot of a drawn width
+  pipe,        ///< open at both ends, its wall of a drawn thickness: genus 1
+  rod,         ///< very long: a capsule of a drawn radius
+  disc,        ///< very flat: a rounded disc of a drawn thickness
+  shell,       ///< a ball with a ball-shaped hollow: an inner and an outer surface
+  nested,      ///< a ball in the hollow of another
+  crowd,       ///< a hundred balls
+  few_balls,   ///< eight
+};
+constexpr int kSolidCount = 18;
+
+/// `drawn` in [0, 1) says how thick the solids of a drawn thickness are, from thin to thick.
+Solid solid_of(SolidKind kind, double drawn);
+
+}  // namespace shrinkwrap::robustness
