@@ -94,6 +94,28 @@ TEST(UnitFrame, HalfExtentIsAboveOneHalfAndAtMostOne) {
   }
 }
 
+TEST(UnitFrame, RoundsNothing) {
+  std::mt19937 random(8);
+  for (double offset : {0.0, 0.3, 0.9, 1.1, 2.9, 3.1, 50.0, -3.1, -1e4, 5.4e6, 1e12})
+    for (double scale : {1.0, 1e-9, 3e11}) {
+      std::uniform_real_distribution<double> uniform(offset - 1.0, offset + 1.0);
+      std::vector<Vec3> points;
+      for (int i = 0; i < 1000; ++i)
+        points.push_back(scale * Vec3(uniform(random), -uniform(random), 0.2 * uniform(random)));
+      const Frame frame = unit_frame(points);
+      for (const Vec3& p : points) {
+        const Vec3 unit = frame.to_unit(p);
+        // In long doubles the sum is exact if both of its parts are known to the last bit.
+        for (int axis = 0; axis < 3; ++axis)
+          ASSERT_EQ(static_cast<long double>(unit[axis]) / frame.scale +
+                        static_cast<long double>(frame.center[axis]),
+                    static_cast<long double>(p[axis]))
+              << offset << " x " << scale;
+        ASSERT_LE(unit.cwiseAbs().maxCoeff(), 3.0);
+      }
+    }
+}
+
 TEST(UnitFrame, SurvivesExtremes) {
   const double largest = std::numeric_limits<double>::max();
   const Frame huge = unit_frame({Vec3::Constant(-largest), Vec3::Constant(largest)});

@@ -168,8 +168,18 @@ Frame unit_frame(const std::vector<Vec3>& points) {
   Frame frame;
   if (points.empty()) return frame;
   const Box box = bounding_box(points);
-  // Halves first: the sum of two large coordinates may not be finite.
-  frame.center = 0.5 * box.low + 0.5 * box.high;
+  for (int axis = 0; axis < 3; ++axis) {
+    // Halves first: the sum of two large coordinates may not be finite.
+    const double middle = 0.5 * box.low[axis] + 0.5 * box.high[axis];
+    // The difference of numbers within a factor of two of each other is exact (Sterbenz 1974).
+    // Where the box is too near to zero for that, it stays where it is.
+    const double nearest = std::min(std::abs(box.low[axis]), std::abs(box.high[axis]));
+    const double farthest = std::max(std::abs(box.low[axis]), std::abs(box.high[axis]));
+    const bool same_sign = (box.low[axis] > 0.0) == (box.high[axis] > 0.0);
+    const double size = std::abs(middle);
+    const bool is_exact = same_sign && 0.5 * size <= nearest && 0.5 * farthest <= size;
+    frame.center[axis] = is_exact ? middle : 0.0;
+  }
   const double half_extent = (0.5 * box.high - 0.5 * box.low).maxCoeff();
   if (half_extent > 0.0) {
     int exponent = 0;

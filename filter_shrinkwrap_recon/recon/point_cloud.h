@@ -54,8 +54,11 @@ class PointCloud {
   }
 };
 
-/// The unit frame of a set of finite points: their bounding box centred, its largest half-extent in
-/// (1/2, 1].
+/// The unit frame of a set of finite points: the largest half-extent of their bounding box in
+/// (1/2, 1], their coordinates within 3. An axis along which the box is far from zero (farther than
+/// half its extent) is centred, others are not moved: then `to_unit` rounds nothing (unless the
+/// extent is near the least of all doubles), and what is exact in the unit frame is exact in the
+/// input's.
 Frame unit_frame(const std::vector<Vec3>& points);
 
 /// Conditions points (leaves out what is not finite and exact duplicates), orders them, and

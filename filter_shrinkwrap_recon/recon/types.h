@@ -32,8 +32,8 @@ inline SampleId to_sample(Index index) {
 }
 
 /// The unit frame in which all stages work: moved to the origin and scaled by a power of two, so
-/// that a cloud anywhere and of any size meets the same arithmetic. `to_unit` rounds at most once
-/// per coordinate.
+/// that a cloud anywhere and of any size meets the same arithmetic. `unit_frame` chooses it so that
+/// `to_unit` is exact.
 struct Frame {
   Vec3 center = Vec3::Zero();
   double scale = 1.0;  ///< unit length per input length; a power of two
