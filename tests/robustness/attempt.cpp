@@ -57,8 +57,7 @@ bool agrees(const Judgement& judgement, const MeshReport& report) {
       report.samples_missing == judgement.missing && report.vertices_extra == judgement.extra &&
       report.closed() == judgement.closed() && report.manifold() == judgement.manifold;
   const bool counted = judgement.intersecting >= 0 && report.self_intersecting_faces >= 0;
-  return counts_agree &&
-         (!counted || (report.self_intersecting_faces > 0) == (judgement.intersecting > 0));
+  return counts_agree && (!counted || report.self_intersecting_faces == judgement.intersecting);
 }
 
 std::vector<Verdict> verdicts_on(const Judgement& judgement, const Reconstruction& result,
