@@ -120,6 +120,7 @@ const char* verdict_name(Verdict verdict) {
       "refused_unresolved",
       "extra_vertices_unresolved",
       "self_intersecting_unresolved",
+      "importer_failed",
   };
   return names[static_cast<int>(verdict)];
 }
@@ -175,9 +176,16 @@ std::string to_message(const Attempt& attempt) {
   return verdicts + "\n" + attempt.figures.text();
 }
 
+std::vector<Verdict> verdicts_in(const std::string& message) {
+  std::istringstream numbers(message.substr(0, message.find('\n')));
+  std::vector<Verdict> verdicts;
+  for (int number; numbers >> number;) verdicts.push_back(static_cast<Verdict>(number));
+  return verdicts;
+}
+
 void Tally::add(const std::string& name, const std::string& message) {
-  std::istringstream verdicts(message.substr(0, message.find('\n')));
-  for (int verdict; verdicts >> verdict;) add(name, static_cast<Verdict>(verdict));
+  ++attempts_;
+  for (const Verdict verdict : verdicts_in(message)) add(name, verdict);
 }
 
 void Tally::add(const std::string& name, Verdict verdict) {
@@ -186,9 +194,9 @@ void Tally::add(const std::string& name, Verdict verdict) {
   if (row.first.size() < kNamesKept) row.first.push_back(name);
 }
 
-bool Tally::promise_broken() const {
-  // The map is ordered by verdict, the broken promises first.
-  return !rows_.empty() && severity_of(rows_.begin()->first) == Severity::broken_promise;
+bool Tally::is_clean() const {
+  // The map is ordered by verdict, the worst first.
+  return rows_.empty() || severity_of(rows_.begin()->first) == Severity::note;
 }
 
 void Tally::print(std::ostream& out) const {

@@ -40,8 +40,9 @@ enum class Verdict {
   refused_unresolved,
   extra_vertices_unresolved,
   self_intersecting_unresolved,
+  importer_failed,  ///< vcglib's, on a damaged file, before our part began
 };
-constexpr int kVerdictCount = 23;
+constexpr int kVerdictCount = 24;
 const char* verdict_name(Verdict verdict);
 enum class Severity { broken_promise, defect, note };
 Severity severity_of(Verdict verdict);
@@ -67,19 +68,20 @@ Attempt attempt(const std::vector<Vec3>& points, ReconstructionOptions options,
 
 /// A line of verdicts and a line of figures, to be sent through a pipe, and back.
 std::string to_message(const Attempt& attempt);
+std::vector<Verdict> verdicts_in(const std::string& message);
 
 /// Counts verdicts and keeps the names of the first few attempts that earned each.
 class Tally {
  public:
   /// `message` as to_message makes it.
   void add(const std::string& name, const std::string& message);
-  void add(const std::string& name, Verdict verdict);
-  void count_attempt() { ++attempts_; }
 
-  bool promise_broken() const;
+  bool is_clean() const;  ///< notes alone
   void print(std::ostream& out) const;
 
  private:
+  void add(const std::string& name, Verdict verdict);
+
   struct Row {
     long count = 0;
     std::vector<std::string> first;

@@ -8,7 +8,6 @@
 #include <csignal>
 #include <cstring>
 #include <stdexcept>
-#include <thread>
 
 namespace shrinkwrap::robustness {
 namespace {
@@ -26,22 +25,21 @@ void apply(const ChildLimits& limits) {
 #endif
 }
 
-[[noreturn]] void do_work(const std::function<std::string()>& work, int pipe) {
-  const std::string output = work();
-  std::size_t written = 0;
-  while (written < output.size()) {
-    const ssize_t n = write(pipe, output.data() + written, output.size() - written);
-    if (n <= 0) _exit(3);
-    written += static_cast<std::size_t>(n);
-  }
+[[noreturn]] void do_work(const Work& work, int pipe) {
+  work([pipe](const std::string& text) {
+    for (std::size_t written = 0; written < text.size();) {
+      const ssize_t n = write(pipe, text.data() + written, text.size() - written);
+      if (n <= 0) _exit(3);
+      written += static_cast<std::size_t>(n);
+    }
+  });
   // Not exit: what the parent has registered to be done at the end is the parent's.
   _exit(0);
 }
 
 }  // namespace
 
-ChildProcess::ChildProcess(const std::function<std::string()>& work, const ChildLimits& limits)
-    : limit_(limits.seconds) {
+ChildProcess::ChildProcess(const Work& work, const ChildLimits& limits) : limit_(limits.seconds) {
   int ends[2];
   if (pipe(ends) != 0) throw std::runtime_error("no pipe");
   child_ = fork();
@@ -92,12 +90,6 @@ void ChildProcess::collect(int status) {
   outcome_.how = strsignal(signal);
   // The limit of processor time ends in SIGKILL, for both its bounds are the same.
   if (killed_ || signal == SIGXCPU || signal == SIGKILL) outcome_.end = ChildOutcome::End::too_slow;
-}
-
-ChildOutcome run_in_child(const std::function<std::string()>& work, const ChildLimits& limits) {
-  ChildProcess child(work, limits);
-  while (!child.has_ended()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  return child.outcome();
 }
 
 }  // namespace shrinkwrap::robustness

@@ -20,15 +20,19 @@ struct ChildOutcome {
   enum class End { finished, crashed, too_slow };
   End end = End::finished;
   std::string how;     ///< if it did not finish: the signal or the exit code
-  std::string output;  ///< what the work returned
+  std::string output;  ///< what the work said
   double seconds = 0.0;
 };
+
+/// Sends text to the parent at once: what was sent before the child died is known.
+using Say = std::function<void(const std::string&)>;
+using Work = std::function<void(const Say&)>;
 
 /// Pre: the parent has one thread (a forked copy of a thread pool would be dead).
 class ChildProcess {
  public:
-  /// Forks; the child runs `work`, hands its result (at most 60,000 bytes) over and leaves.
-  ChildProcess(const std::function<std::string()>& work, const ChildLimits& limits);
+  /// Forks; the child does the work, hands over what it says (at most 60,000 bytes) and leaves.
+  ChildProcess(const Work& work, const ChildLimits& limits);
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
   ~ChildProcess();
@@ -48,8 +52,5 @@ class ChildProcess {
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   ChildOutcome outcome_;
 };
-
-/// Runs `work` in a child and waits for it.
-ChildOutcome run_in_child(const std::function<std::string()>& work, const ChildLimits& limits);
 
 }  // namespace shrinkwrap::robustness

@@ -1,0 +1,19 @@
+// Files of points, whole and damaged, read by vcglib's importers.
+#pragma once
+
+#include <cstdint>
+
+#include "jobs.h"
+
+namespace shrinkwrap::robustness {
+
+/// What a file job says before it hands the file to the importer: a child that dies then is none
+/// of ours.
+constexpr char kImporting[] = "importing\n";
+
+/// A file in one of several formats, made from a number: mostly damaged, by cutting it off,
+/// changing bytes or words, or false counts. It is written to the folder of temporary files,
+/// imported, reconstructed and judged, and a mesh in it is measured.
+Job file_job(std::uint64_t number, int threads);
+
+}  // namespace shrinkwrap::robustness

@@ -1,0 +1,126 @@
+#include "jobs.h"
+
+#include <array>
+#include <limits>
+#include <stdexcept>
+
+#include "attempt.h"
+#include "cases.h"
+#include "files.h"
+#include "gallery.h"
+
+namespace shrinkwrap::robustness {
+namespace {
+
+constexpr std::uint64_t kCompareThreadsEvery = 20;
+
+struct GalleryVariant {
+  const char* name;
+  ReconstructionOptions options;
+  bool keeps_expectations;  ///< of the mesh; what must be refused is refused by all
+};
+
+std::array<GalleryVariant, 5> gallery_variants() {
+  const ReconstructionOptions robust;
+  ReconstructionOptions in_doubles = robust, left_open = robust, surface_only = robust;
+  in_doubles.host_scalar = HostScalar::double_precision;
+  left_open.complete_matching.openings = CompleteMatchingOptions::Openings::leave_open;
+  surface_only.stop_at_parametric_surface = true;
+  return {{{"standard", robust, true},
+           {"double", in_doubles, true},
+           {"leave_open", left_open, false},
+           {"stop_at_surface", surface_only, false},
+           {"as_in_the_paper", as_in_the_paper(), false}}};
+}
+
+Job cloud_job(std::uint64_t number, int threads, bool with_points) {
+  Job job;
+  const Case generated = case_of(number);
+  job.description = describe(generated);
+  if (with_points) job.points = cloud_of(generated).points;
+  job.work = [generated, threads](const Say& say) {
+    const CaseCloud cloud = cloud_of(generated);
+    ReconstructionOptions options = options_of(generated);
+    options.threads = threads;
+    const bool compare_threads =
+        generated.number % kCompareThreadsEvery == kCompareThreadsEvery - 1;
+    Attempt made = attempt(cloud.points, options, cloud.expectation, compare_threads);
+    made.figures.add("points", cloud.points.size())
+        .add("resolved", cloud.expectation.resolved)
+        .add("open", cloud.expectation.open)
+        .add("least_feature", cloud.least_feature)
+        .add("true_genus", cloud.expectation.genus)
+        .add("true_components", cloud.expectation.components);
+    say(to_message(made));
+  };
+  return job;
+}
+
+Job gallery_job(std::uint64_t number, bool with_points) {
+  Job job;
+  const auto variants = gallery_variants();
+  const std::uint64_t index = number % kNumbersPerSeed;
+  const GalleryVariant& variant = variants[index % variants.size()];
+  std::vector<Exhibit> exhibits = gallery(static_cast<unsigned>(number / kNumbersPerSeed));
+  if (index / variants.size() >= exhibits.size())
+    throw std::invalid_argument("the gallery has only " +
+                                std::to_string(exhibits.size() * variants.size()) + " jobs");
+  Exhibit exhibit = std::move(exhibits[index / variants.size()]);
+  if (!variant.keeps_expectations) exhibit.expectation.resolved = false;
+  job.description.add("exhibit", exhibit.name)
+      .add("variant", variant.name)
+      .add("points", exhibit.points.size())
+      .add("resolved", exhibit.expectation.resolved);
+  if (with_points) job.points = exhibit.points;
+  job.work = [exhibit, options = variant.options](const Say& say) {
+    say(to_message(attempt(exhibit.points, options, exhibit.expectation, true)));
+  };
+  return job;
+}
+
+}  // namespace
+
+std::uint64_t most_jobs(const std::string& kind) {
+  if (kind == "gallery") return gallery(0).size() * gallery_variants().size();
+  return kNumbersPerSeed;
+}
+
+Job make_job(const std::string& kind, std::uint64_t number, int threads, bool with_points) {
+  Job job;
+  if (kind == "clouds")
+    job = cloud_job(number, threads, with_points);
+  else if (kind == "gallery")
+    job = gallery_job(number, with_points);
+  else if (kind == "files")
+    job = file_job(number, threads);
+  else
+    throw std::invalid_argument("there are no jobs called '" + kind + "'");
+  job.name = kind + ":" + std::to_string(number);
+  return job;
+}
+
+Job make_job(const std::string& name, int threads, bool with_points) {
+  const std::size_t colon = name.find(':');
+  if (colon == std::string::npos)
+    throw std::invalid_argument("'" + name + "' is no job: one is called 'clouds:1000003'");
+  return make_job(name.substr(0, colon), std::stoull(name.substr(colon + 1)), threads, with_points);
+}
+
+std::string message_of(const ChildOutcome& outcome) {
+  const std::string& said = outcome.output;
+  if (outcome.end == ChildOutcome::End::finished) {
+    // The last two lines; what comes before told of progress.
+    const std::size_t figures = said.rfind('\n');
+    const std::size_t before =
+        figures == 0 || figures == std::string::npos ? figures : said.rfind('\n', figures - 1);
+    return before == std::string::npos ? said : said.substr(before + 1);
+  }
+  Attempt ended;
+  const bool crashed = outcome.end == ChildOutcome::End::crashed;
+  ended.verdicts = {crashed ? Verdict::crash : Verdict::hang};
+  if (said == kImporting) ended.verdicts = {Verdict::importer_failed};
+  ended.figures.add("ended_by", outcome.how);
+  return to_message(ended);
+}
+
+}  // namespace shrinkwrap::robustness

@@ -1,0 +1,39 @@
+// What the runner runs: generated clouds, the gallery of degenerate ones, damaged files. Every job
+// has a name that says everything about it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "child_process.h"
+#include "json_line.h"
+#include "types.h"
+
+namespace shrinkwrap::robustness {
+
+struct Job {
+  std::string name;  ///< "clouds:1000003"; makes the same job again
+  benchmarking::JsonLine description;
+  ChildLimits limits;
+  Work work;  ///< says a message as to_message makes it, after what it says of its progress
+  std::vector<Vec3> points;  ///< unless they come from a file; only if asked for
+};
+
+/// Numbers of the jobs of one seed are this far apart.
+constexpr std::uint64_t kNumbersPerSeed = 1000000;
+
+/// How many jobs of a kind one seed has: as many as wanted, but for the gallery.
+std::uint64_t most_jobs(const std::string& kind);
+
+/// `kind` is "clouds", "gallery" or "files". `threads` as in ReconstructionOptions.
+/// Throws std::invalid_argument if there is no such job.
+Job make_job(const std::string& kind, std::uint64_t number, int threads, bool with_points = false);
+/// By name.
+Job make_job(const std::string& name, int threads, bool with_points = false);
+
+/// What a child that ended has to say: its message, or the verdict that it could not say itself.
+std::string message_of(const ChildOutcome& outcome);
+
+}  // namespace shrinkwrap::robustness
