@@ -99,6 +99,7 @@ class Repair {
   template <class Fn>
   void for_each_met(const Triangle& t, Index skip_f, Index skip_g, const Fn& fn) const {
     tree_.for_each_overlap(tree_.box_of(mesh_.position, t), [&](Index g) {
+      ++tests_;
       if (g != skip_f && g != skip_g && test_.meet(t, mesh_.triangle(g))) fn(g);
     });
   }
@@ -159,6 +160,7 @@ class Repair {
   std::vector<Index> touched_;  // faces that flips changed in this round
   Index flips_ = 0;
   std::int64_t trials_left_ = 0;
+  mutable std::int64_t tests_ = 0;  // of pairs of triangles
 };
 
 HingeShape Repair::shape_of(Index h, const Hinge& hinge) const {

@@ -90,6 +90,8 @@ std::vector<Verdict> verdicts_on(const Judgement& judgement, const Reconstructio
   }
   if_so(judgement.intersecting > 0,
         resolved ? Verdict::self_intersecting : Verdict::self_intersecting_unresolved);
+  if_so(judgement.degenerate > 0,
+        resolved ? Verdict::degenerate_faces : Verdict::degenerate_faces_unresolved);
   return verdicts;
 }
 
@@ -115,11 +117,13 @@ const char* verdict_name(Verdict verdict) {
       "wrong_genus",
       "wrong_components",
       "self_intersecting",
+      "degenerate_faces",
       "wrong_topology_unresolved",
       "failed_unresolved",
       "refused_unresolved",
       "extra_vertices_unresolved",
       "self_intersecting_unresolved",
+      "degenerate_faces_unresolved",
       "importer_failed",
   };
   return names[static_cast<int>(verdict)];
@@ -164,6 +168,7 @@ Attempt attempt(const std::vector<Vec3>& points, ReconstructionOptions options,
       .add("components", judgement.components)
       .add("genus", judgement.genus)
       .add("intersecting_faces", judgement.intersecting)
+      .add("degenerate_faces", judgement.degenerate)
       .add("intersecting_faces_reported", outcome.result.report.self_intersecting_faces)
       .add("max_foot_distance", outcome.result.complete_matching.max_foot_distance);
   return made;

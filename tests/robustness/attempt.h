@@ -33,6 +33,7 @@ enum class Verdict {
   wrong_genus,
   wrong_components,
   self_intersecting,
+  degenerate_faces,  ///< collinear corners
   // Known limits: honest refusals of clouds that nobody could promise, and what else is of
   // interest.
   wrong_topology_unresolved,
@@ -40,9 +41,10 @@ enum class Verdict {
   refused_unresolved,
   extra_vertices_unresolved,
   self_intersecting_unresolved,
+  degenerate_faces_unresolved,
   importer_failed,  ///< vcglib's, on a damaged file, before our part began
 };
-constexpr int kVerdictCount = 24;
+constexpr int kVerdictCount = 26;
 const char* verdict_name(Verdict verdict);
 enum class Severity { broken_promise, defect, note };
 Severity severity_of(Verdict verdict);

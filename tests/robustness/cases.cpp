@@ -126,16 +126,24 @@ void quantise(std::vector<Vec3>& points, double quantum) {
     for (int axis = 0; axis < 3; ++axis) p[axis] = quantum * std::round(p[axis] / quantum);
 }
 
-bool is_resolved(const Case& generated, const Solid& solid, Index samples, double spacing,
+// Of the samples where they are farthest from each other.
+double widest_spacing(const Case& generated, double mean_spacing) {
+  double spacing = mean_spacing * std::sqrt(generated.density_ratio) *
+                   std::sqrt(mean_density(generated.density_ratio));
+  if (generated.sampling == Sampling::scan_lines) spacing *= std::sqrt(kLineDistance);
+  return spacing;
+}
+
+bool is_resolved(const Case& generated, const Solid& solid, Index samples, double mean_spacing,
                  double rounding) {
-  if (generated.sampling == Sampling::scan_lines || generated.density_ratio > 1.0 ||
-      generated.outliers > 0.0 || samples < kFewestSamples)
-    return false;
+  const bool misses_faces = generated.sampling == Sampling::scan_lines && solid.has_level_faces;
+  if (misses_faces || generated.outliers > 0.0 || samples < kFewestSamples) return false;
   const bool even =
       generated.sampling == Sampling::blue_noise || generated.sampling == Sampling::grid;
-  const double displacement = generated.noise + 0.3 * generated.quantum + rounding / spacing;
+  const double displacement = generated.noise + 0.3 * generated.quantum + rounding / mean_spacing;
   return displacement <= kMostDisplacement &&
-         solid.least_feature >= (even ? kLeastFeature : kLeastRandomFeature) * spacing;
+         solid.least_feature >=
+             (even ? kLeastFeature : kLeastRandomFeature) * widest_spacing(generated, mean_spacing);
 }
 
 }  // namespace
@@ -226,12 +234,13 @@ CaseCloud cloud_of(const Case& generated) {
   CaseCloud cloud;
   const double rounding = largest / scale * (generated.single_precision ? 0x1p-24 : 0x1p-53);
   const double mean_spacing = std::sqrt(area / std::max(1.0, static_cast<double>(points.size())));
-  cloud.least_feature = solid.least_feature / mean_spacing;
+  cloud.least_feature = solid.least_feature / widest_spacing(generated, mean_spacing);
   // The paper's start is a box, of genus 0, and cannot enter a cavity: nothing can be expected.
   cloud.expectation.resolved =
       generated.variant != Variant::as_in_the_paper &&
       is_resolved(generated, solid, static_cast<Index>(points.size()), mean_spacing, rounding);
-  cloud.expectation.open = !solid.closed;
+  // Where the surface is level the lines leave openings.
+  cloud.expectation.open = !solid.closed || generated.sampling == Sampling::scan_lines;
   cloud.expectation.genus = solid.genus;
   cloud.expectation.components = solid.components;
   cloud.points = std::move(points);

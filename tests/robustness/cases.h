@@ -47,11 +47,11 @@ ReconstructionOptions options_of(const Case& generated);
 struct CaseCloud {
   std::vector<Vec3> points;
   Expectation expectation;
-  double least_feature = 0.0;  ///< x mean spacing
+  double least_feature = 0.0;  ///< x spacing where the samples are farthest apart
 };
-/// A case is resolved if its samples are spread evenly (not scan lines, density ratio 1), lie
-/// within a tenth of a spacing of the surface (rounding included), have no outliers, are at least
-/// 200, and if the thinnest wall, gap or hole measures at least 4 spacings (5 of random samples).
+/// A case is resolved if its samples lie within a tenth of a spacing of the surface (rounding
+/// included), have no outliers, are at least 200, and if the thinnest wall, gap or hole measures at
+/// least 4 spacings (5 unless they are spread evenly), where they are farthest apart.
 CaseCloud cloud_of(const Case& generated);
 
 benchmarking::JsonLine describe(const Case& generated);

@@ -11,7 +11,7 @@
 
 namespace shrinkwrap::robustness {
 
-Index count_intersecting_faces(const ResultMesh& mesh) {
+IntersectingFaces count_intersecting_faces(const ResultMesh& mesh) {
   using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
   using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
   using Face = Mesh::Face_index;
@@ -26,12 +26,16 @@ Index count_intersecting_faces(const ResultMesh& mesh) {
 
   std::vector<std::pair<Face, Face>> pairs;
   CGAL::Polygon_mesh_processing::self_intersections(surface, std::back_inserter(pairs));
-  std::set<Face> faces;
+  // A degenerate face is paired with itself.
+  std::set<Face> faces, degenerate;
+  for (const auto& [f, g] : pairs)
+    if (f == g) degenerate.insert(f);
   for (const auto& [f, g] : pairs) {
+    if (degenerate.count(f) > 0 || degenerate.count(g) > 0) continue;
     faces.insert(f);
     faces.insert(g);
   }
-  return static_cast<Index>(faces.size());
+  return {static_cast<Index>(faces.size()), static_cast<Index>(degenerate.size())};
 }
 
 }  // namespace shrinkwrap::robustness

@@ -118,7 +118,11 @@ Judgement judge(const std::vector<Vec3>& points, const ResultMesh& mesh, bool co
   if (!judgement.manifold || !judgement.closed()) return judgement;
   judgement.genus = topology.genus();
   judgement.outward = signed_volume(mesh) > 0.0;
-  if (count_intersections) judgement.intersecting = count_intersecting_faces(mesh);
+  if (count_intersections) {
+    const IntersectingFaces faces = count_intersecting_faces(mesh);
+    judgement.intersecting = faces.intersecting;
+    judgement.degenerate = faces.degenerate;
+  }
   return judgement;
 }
 

@@ -23,13 +23,17 @@ struct Judgement {
   Index extra = 0;          ///< vertices that are no sample
   Index moved = 0;          ///< vertices not at the point that they are said to be
   Index intersecting = -1;  ///< faces that cut others; -1: not counted
+  Index degenerate = -1;    ///< faces with collinear corners, which are not among them
 
   bool closed() const { return border_edges == 0; }
 };
 
 Judgement judge(const std::vector<Vec3>& points, const ResultMesh& mesh, bool count_intersections);
 
-/// Faces that cut others (CGAL, exact). Pre: manifold, no unused vertices.
-Index count_intersecting_faces(const ResultMesh& mesh);
+struct IntersectingFaces {
+  Index intersecting = 0, degenerate = 0;
+};
+/// By CGAL, exact. Pre: manifold, no unused vertices.
+IntersectingFaces count_intersecting_faces(const ResultMesh& mesh);
 
 }  // namespace shrinkwrap::robustness

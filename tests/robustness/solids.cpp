@@ -84,6 +84,11 @@ Solid with_topology(Solid solid, int genus, int components) {
   return solid;
 }
 
+Solid with_level_faces(Solid solid) {
+  solid.has_level_faces = true;
+  return solid;
+}
+
 Solid balls(std::string name, int n, int layers, double radius) {
   const double cell = 1.0 / n, gap = cell - 2.0 * radius;
   Solid solid = made(std::move(name), 0.9, std::min(gap, 2.0 * radius),
@@ -115,9 +120,9 @@ Solid solid_of(SolidKind kind, double drawn) {
     case SolidKind::double_torus:
       return of_unit_tests(ShapeKind::double_torus, 0.34);
     case SolidKind::box:
-      return of_unit_tests(ShapeKind::box, 0.7);
+      return with_level_faces(of_unit_tests(ShapeKind::box, 0.7));
     case SolidKind::thin_plate:
-      return of_unit_tests(ShapeKind::thin_plate, 0.08);
+      return with_level_faces(of_unit_tests(ShapeKind::thin_plate, 0.08));
     case SolidKind::bowl:
       return of_unit_tests(ShapeKind::bowl, 0.16);
     case SolidKind::two_spheres:
@@ -127,29 +132,29 @@ Solid solid_of(SolidKind kind, double drawn) {
     case SolidKind::hemisphere:
       return of_unit_tests(ShapeKind::hemisphere, 0.5);
     case SolidKind::wall:
-      return made("wall", 0.8, thickness, [=](const Vec3& p) {
+      return with_level_faces(made("wall", 0.8, thickness, [=](const Vec3& p) {
         return box_distance(p, {0.6, 0.45, 0.5 * thickness});
-      });
+      }));
     case SolidKind::slot:
-      return made("slot", 0.9, std::min(thickness, 0.5), [=](const Vec3& p) {
+      return with_level_faces(made("slot", 0.9, std::min(thickness, 0.5), [=](const Vec3& p) {
         const double block = box_distance(p, {0.6, 0.45, 0.35});
         const double cut = box_distance(p - Vec3(0.0, 0.0, 0.4), {0.5 * thickness, 0.7, 0.55});
         return std::max(block, -cut);
-      });
-    case SolidKind::pipe:
-      return with_topology(
-          made("pipe", 1.0, thickness,
-               [=](const Vec3& p) { return pipe_distance(p, 0.5, 0.5 * thickness, 0.7); }),
-          1, 1);
+      }));
+    case SolidKind::pipe: {
+      Solid pipe = made("pipe", 1.0, thickness,
+                        [=](const Vec3& p) { return pipe_distance(p, 0.5, 0.5 * thickness, 0.7); });
+      return with_level_faces(with_topology(std::move(pipe), 1, 1));
+    }
     case SolidKind::rod: {
       const double radius = 0.25 * thickness + 0.01;
       return made("rod", 1.0, 2.0 * radius,
                   [=](const Vec3& p) { return rod_distance(p, 0.98 - radius, radius); });
     }
     case SolidKind::disc:
-      return made("disc", 1.0, thickness, [=](const Vec3& p) {
+      return with_level_faces(made("disc", 1.0, thickness, [=](const Vec3& p) {
         return disc_distance(p, 0.98 - 0.5 * thickness, 0.5 * thickness);
-      });
+      }));
     case SolidKind::shell:
       return with_topology(made("shell", 1.05, thickness,
                                 [=](const Vec3& p) {

@@ -15,7 +15,8 @@ struct Solid {
   int genus = 0;  ///< summed over the components
   int components = 1;
   bool closed = true;
-  double least_feature = 1.0;  ///< thinnest wall, gap or hole
+  bool has_level_faces = false;  ///< faces z = const, between which scan lines pass
+  double least_feature = 1.0;    ///< thinnest wall, gap or hole
   double radius = 1.0;
   testing::ImplicitFunction implicit;
   testing::SamplingDomain domain;
