@@ -24,6 +24,9 @@ constexpr double kLeastUnfolding = 1e-3;
 // Pairs that the first of several flips may add.
 constexpr Index kMaxDetour = 2;
 constexpr std::int64_t kLeastTrials = 50000;
+// Pairs of triangles tested, for each of the hinges that may be looked at: twice what usual meshes
+// need. In a heap of faces that all meet each other a hinge takes thousands.
+constexpr std::int64_t kTestsPerTrial = 128;
 constexpr Index kPollInterval = 8;
 
 // What is tried in turn, the next where the one before is of no avail.
@@ -99,7 +102,7 @@ class Repair {
   template <class Fn>
   void for_each_met(const Triangle& t, Index skip_f, Index skip_g, const Fn& fn) const {
     tree_.for_each_overlap(tree_.box_of(mesh_.position, t), [&](Index g) {
-      ++tests_;
+      --tests_left_;
       if (g != skip_f && g != skip_g && test_.meet(t, mesh_.triangle(g))) fn(g);
     });
   }
@@ -123,6 +126,7 @@ class Repair {
     return mesh_.is_flip_legal(h) && !is_fixed(SurfaceMesh::face(h)) &&
            !is_fixed(SurfaceMesh::face(mesh_.twin(h)));
   }
+  bool has_time() const { return trials_left_ > 0 && tests_left_ > 0; }
   bool flip_if_better(Index h);
   void unfold(const std::vector<Index>& faces);
   bool flip_together(Index h, int count, Index pairs_lost);
@@ -160,7 +164,7 @@ class Repair {
   std::vector<Index> touched_;  // faces that flips changed in this round
   Index flips_ = 0;
   std::int64_t trials_left_ = 0;
-  mutable std::int64_t tests_ = 0;  // of pairs of triangles
+  mutable std::int64_t tests_left_ = 0;  // of pairs of triangles
 };
 
 HingeShape Repair::shape_of(Index h, const Hinge& hinge) const {
@@ -223,7 +227,8 @@ bool Repair::flip_if_better(Index h) {
 // Flips h and at most `count - 1` edges near it if that loses more pairs than it adds, counting
 // `pairs_lost` by flips before. Otherwise leaves the mesh as it was.
 bool Repair::flip_together(Index h, int count, Index pairs_lost) {
-  if (--trials_left_ <= 0 || !may_flip(h)) return false;
+  --trials_left_;
+  if (!has_time() || !may_flip(h)) return false;
   const Hinge then = flipped_hinge_at(h);
   HingeShape shape_now, shape_then;
   if (!is_allowed(h, then, shape_now, shape_then)) return false;
@@ -319,11 +324,12 @@ RepairReport Repair::run() {
   const std::int64_t max_trials =
       options_.max_trials > 0 ? options_.max_trials : kLeastTrials + mesh_.face_slots();
   trials_left_ = std::min(max_trials, options_.max_trials_per_face * report.faces_before);
+  tests_left_ = kTestsPerTrial * max_trials;
 
   progress_.set_range(0.8, 1.0);
   std::vector<Index> changed;
   std::size_t attempt = 0;
-  while (!pairs.empty() && report.rounds < options_.max_rounds && trials_left_ > 0) {
+  while (!pairs.empty() && report.rounds < options_.max_rounds && has_time()) {
     const double done = static_cast<double>(report.rounds) / options_.max_rounds;
     ++report.rounds;
     fold_guard_ = kAttempts[attempt].folds_freely ? -1.0 : options_.fold_guard;
@@ -331,7 +337,7 @@ RepairReport Repair::run() {
     const int look_ahead = kAttempts[attempt].look_ahead;
     const std::vector<Index> edges = edges_near(faces, look_ahead > 1 ? 1 : 0);
     touched_.clear();
-    for (std::size_t i = 0; i < edges.size(); ++i) {
+    for (std::size_t i = 0; i < edges.size() && has_time(); ++i) {
       if (i % kPollInterval == 0) progress_.update(done);
       if (look_ahead == 1)
         flip_if_better(edges[i]);

@@ -25,7 +25,7 @@ enum class Verdict {
   moved_sample,      ///< a vertex is not exactly at its sample
   dishonest_report,  ///< the library's own report says otherwise than the judge
   nondeterministic,  ///< one and two threads differ
-  too_slow,          ///< more than 1 s and 0.4 ms a sample of processor time
+  too_slow,          ///< more than 4 s and 0.4 ms a sample of processor time
   // Not on clouds that resolve the shape:
   failed,
   refused,
