@@ -1,5 +1,7 @@
 """What the tests on the real host share: clouds, scripts, runs of meshlabserver, and the independent checker."""
 
+import atexit
+import functools
 import math
 import os
 import pathlib
@@ -124,6 +126,31 @@ def script(path, base, *changes, before=None, types=None):
     return path
 
 
+class Screen:
+    """An X server without a screen, for all runs of a process: the host needs one, and starting it takes longer than most
+    runs."""
+
+    def __init__(self):
+        read_end, write_end = os.pipe()
+        self.server = subprocess.Popen(["Xvfb", "-displayfd", str(write_end), "-nolisten", "tcp"], pass_fds=[write_end],
+                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        os.close(write_end)
+        with os.fdopen(read_end) as numbers:
+            self.name = ":" + numbers.readline().strip()  # written once the server takes connections
+        if self.name == ":":
+            raise RuntimeError("Xvfb does not start")
+        atexit.register(self.close)
+
+    def close(self):
+        self.server.terminate()
+        self.server.wait()
+
+
+@functools.lru_cache(maxsize=1)
+def screen():
+    return Screen()
+
+
 class Run:
     """One run of meshlabserver: exit code (None: stopped at the time limit), log, all of its output, and its seconds, on
     the clock and of processor time. `projects`: one to read, one to write."""
@@ -132,7 +159,7 @@ class Run:
                  projects=None):
         log = folder / "host.log"
         log.unlink(missing_ok=True)
-        command = ["xvfb-run", "-a", str(server), "-l", str(log)]
+        command = [str(server), "-l", str(log)]
         if projects:
             command += ["-p", str(projects[0]), "-w", str(projects[1])]
         if inputs:
@@ -141,7 +168,7 @@ class Run:
             command += ["-o", str(output), "-l", str(layer), *options]
         command += ["-s", str(script_file)]
         # The host needs the X server, whatever else runs without a screen.
-        environment = dict(os.environ, HOME=str(folder), **dict(environment))
+        environment = dict(os.environ, HOME=str(folder), DISPLAY=screen().name, **dict(environment))
         environment.pop("QT_QPA_PLATFORM", None)
         used, begin = children_seconds(), time.monotonic()
         process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, cwd=folder,

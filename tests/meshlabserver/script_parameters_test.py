@@ -100,8 +100,8 @@ class SavedScripts(unittest.TestCase):
         for step in tree.getroot().findall("filter")[1:]:
             tree.getroot().remove(step)
         tree.write(changed)
-        script(changed, changed, ("StopAtParametricSurface", "true"), ("FitIterations", 1))
-        script(plain, ONE_SHOT, ("StopAtParametricSurface", "true"), ("FitIterations", 1))
+        script(changed, changed, ("StopAtParametricSurface", "true"), ("Neighbours", 12))
+        script(plain, ONE_SHOT, ("StopAtParametricSurface", "true"), ("Neighbours", 12))
         results = [self.folder / "replayed.ply", self.folder / "plain.ply", self.folder / "defaults.ply"]
         for path, result in zip((changed, plain, ONE_SHOT), results):
             self.run_script(path, ("c", result))
