@@ -103,7 +103,7 @@ class MeshLab:
     def picture(self, name):
         run("import", "-window", "root", str(self.pictures / f"{name}.png"))
 
-    def wait_for(self, what, condition, seconds=90):
+    def wait_for(self, what, condition, seconds=240):
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             if self.processes[-1].poll() is not None:
