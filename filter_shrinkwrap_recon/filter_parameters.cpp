@@ -275,7 +275,8 @@ void check(const Parameter& parameter, const ParameterValues& values) {
   const auto found = values.find(parameter.name);
   if (found == values.end())
     throw InvalidInput("the parameter " + parameter.name +
-                       " is missing, or of another type than declared");
+                       " is missing, or of another type than declared: apply the filter in "
+                       "MeshLab and save the script anew, or correct the script");
   const double value = found->second;
   const bool whole = parameter.kind == Kind::real || value == std::floor(value);
   if (value >= parameter.minimum && value <= parameter.maximum && whole) return;

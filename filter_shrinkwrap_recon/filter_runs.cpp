@@ -87,6 +87,17 @@ std::string surface_verdict(const char* what, const SurfaceMesh& mesh) {
          std::to_string(mesh.euler_characteristic());
 }
 
+// The mesh of a layer, which its user may have changed.
+SurfaceMesh closed_surface(const ResultMesh& mesh, const Frame& frame) {
+  try {
+    return to_surface(mesh, frame);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(std::string(error.what()) +
+                       ". Choose the layer that the stage before made, or repair the mesh first "
+                       "(menu Filters, Cleaning and Repairing).");
+  }
+}
+
 // --- warnings: the result keeps the promise, but may not be what the user wants ---
 
 void warn_of(const OrientationReport& report, std::vector<std::string>& warnings) {
@@ -217,8 +228,9 @@ FilterOutcome run_control_mesh(const FilterRequest& request, const FilterInput& 
                                Progress& progress) {
   FilterOutcome outcome;
   const PointCloud cloud = prepare(input, request.options, progress, outcome);
-  const ControlMesh control = make_control_mesh(to_surface(input.mesh, cloud.frame), cloud.size(),
-                                                request.options.control_mesh, progress);
+  const ControlMesh control =
+      make_control_mesh(closed_surface(input.mesh, cloud.frame), cloud.size(),
+                        request.options.control_mesh, progress);
   outcome.log.push_back("target " + count_of(control.report.target_vertices, "vertex", "vertices"));
   outcome.log.push_back(surface_verdict("control mesh", control.mesh));
   outcome.mesh = to_result(control.mesh, cloud.frame);
@@ -231,7 +243,7 @@ FilterOutcome run_parametric_surface(const FilterRequest& request, const FilterI
   FilterOutcome outcome;
   const PointCloud cloud = prepare_oriented(input, request.options, progress, outcome);
   const ParametricSurface surface =
-      make_parametric_surface(to_surface(input.mesh, cloud.frame), cloud, cloud.search,
+      make_parametric_surface(closed_surface(input.mesh, cloud.frame), cloud, cloud.search,
                               request.options.parametric_surface, progress);
   outcome.log.push_back("distance of the vertices from the samples' surface: mean " +
                         formatted("%.3f", surface.report.mean_distance) + ", greatest " +
@@ -246,7 +258,7 @@ FilterOutcome run_complete_matching(const FilterRequest& request, const FilterIn
                                     Progress& progress) {
   FilterOutcome outcome;
   const PointCloud cloud = prepare_oriented(input, request.options, progress, outcome);
-  const SurfaceMesh surface = to_surface(input.mesh, cloud.frame);
+  const SurfaceMesh surface = closed_surface(input.mesh, cloud.frame);
   CompleteMatching matching =
       match_samples(surface, cloud, cloud.search, request.options.complete_matching, progress);
   warn_of(matching.report, outcome.warnings);
@@ -310,7 +322,7 @@ CompleteMatching matching_of(const FilterInput& input, const PointCloud& cloud) 
     for (Index& v : triangle) v = new_index[v];
 
   CompleteMatching matching;
-  matching.mesh = to_surface(renumbered, cloud.frame);
+  matching.mesh = closed_surface(renumbered, cloud.frame);
   matching.sample_of_vertex.assign(static_cast<std::size_t>(vertices), SampleId::none);
   for (Index sample = 0; sample < cloud.size(); ++sample)
     matching.sample_of_vertex[sample] = to_sample(sample);
@@ -450,11 +462,12 @@ std::vector<Stage> stages_of(Filter filter, const FilterRequest& request) {
 
 FilterOutcome run_filter(Filter filter, const FilterRequest& request, const FilterInput& input,
                          Progress& progress) {
+  const char* const no_mesh =
+      "the layer chosen as Mesh has no faces: choose one that a reconstruction filter made";
   const bool needs_mesh = filter != Filter::reconstruct && filter != Filter::initial_mesh;
-  if (needs_mesh && input.mesh.position.empty()) throw InvalidInput("the mesh layer is empty");
+  if (needs_mesh && input.mesh.position.empty()) throw InvalidInput(no_mesh);
   const bool needs_faces = needs_mesh && filter != Filter::distance_to_samples;
-  if (needs_faces && input.mesh.triangles.empty())
-    throw InvalidInput("the mesh layer has no faces");
+  if (needs_faces && input.mesh.triangles.empty()) throw InvalidInput(no_mesh);
 
   const int threads = request.options.threads;
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);

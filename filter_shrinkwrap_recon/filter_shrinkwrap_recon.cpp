@@ -225,6 +225,8 @@ FilterRun ShrinkWrapReconPlugin::run(int id, MeshDocument& document, const RichP
         is_one_shot ? document.mm() : chosen_layer(list, document, kSamplesLayer);
     MeshModel* const mesh = needs_mesh(filter) ? chosen_layer(list, document, kMeshLayer) : nullptr;
     if (samples != nullptr) where = "layer \"" + label_of(*samples) + "\": ";
+    if (samples != nullptr && mesh != nullptr && mesh != samples)
+      where = "layers \"" + label_of(*samples) + "\" and \"" + label_of(*mesh) + "\": ";
     if (samples == nullptr)
       throw InvalidInput("there is no layer of samples: open a point cloud first");
     if (needs_mesh(filter) && mesh == nullptr)
@@ -264,7 +266,7 @@ Figures ShrinkWrapReconPlugin::run_on_layers(Filter filter, MeshDocument& docume
   if (points.points.empty())
     throw InvalidInput(request.selected_only
                            ? "no point is selected: select some, or switch SelectedOnly off"
-                           : "the layer has no points");
+                           : "the layer has no points: open a point cloud, or choose its layer");
   FilterInput input;
   input.points = std::move(points.points);
   if (mesh != nullptr) {

@@ -38,6 +38,8 @@ def arguments():
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build", help=argparse.SUPPRESS)
     parser.add_argument("--renderer", help=argparse.SUPPRESS)  # a Python that has VTK
     parser.add_argument("--time-limit", type=float, default=300.0, metavar="S", help="seconds for one run (300)")
+    parser.add_argument("--runs", type=int, default=3, help="at most, of which the quickest counts (3; fewer where they are long)")
+    parser.add_argument("--method", action="append", metavar="NAME", help="only this method; may be given several times")
     parser.add_argument("--no-pictures", action="store_true")
     options = parser.parse_args()
     if options.truth and not options.clouds:
@@ -127,9 +129,9 @@ class Comparison:
                    environment=ENVIRONMENT)
 
     def quickest(self, *arguments):
-        """Of three runs, or fewer where they are long: what else the machine does can only add to the time."""
+        """Of several runs: what else the machine does can only add to the time."""
         runs = [self.host(*arguments)]
-        while len(runs) < 3 and runs[-1].code == 0 and sum(run.seconds for run in runs) < 5.0:
+        while len(runs) < self.options.runs and runs[-1].code == 0 and sum(run.seconds for run in runs) < 5.0:
             runs.append(self.host(*arguments))
         return min(runs, key=lambda run: run.seconds)
 
@@ -181,6 +183,8 @@ def compare(options, case):
             return {"error": "MeshLab cannot read it, or it has no points"}
         rows = []
         for name, script_file in methods_of(points, folder):
+            if options.method and name not in options.method:
+                continue
             rows.append(comparison.compare(name, script_file, nothing, meshes / f"{plain(name)}.ply"))
             print(f"  {name}: {page.verdict(rows[-1])}", file=sys.stderr, flush=True)
         shutil.copyfile(folder / "nothing.ply", meshes / "points.ply")
@@ -205,7 +209,10 @@ def picture(options, case, result):
 
 
 def has_vtk(python):
-    return subprocess.run([python, "-c", "import vtk"], capture_output=True, check=False).returncode == 0
+    try:
+        return subprocess.run([python, "-c", "import vtk"], capture_output=True, check=False).returncode == 0
+    except OSError:
+        return False
 
 
 def complaints(results):

@@ -242,6 +242,19 @@ class Stages(HostTest):
                     single = self.single_filter(name)
                     self.fails("", single, ("Samples", 0), ("Mesh", 1), inputs=[self.cloud, broken])
 
+    def test_failures_name_the_layers_and_the_remedy(self):
+        write_ply(self.cloud, sphere(500))
+        broken, bare = self.folder / "broken.ply", self.folder / "bare.ply"
+        write_ply(broken, [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 1, 2)])
+        write_ply(bare, sphere(10))
+        for mesh, words in ((broken, ("border", "repair")), (bare, ("no faces", "choose"))):
+            run = self.fails('layers "cloud.ply" and "' + mesh.name + '": ', self.single_filter("Control Mesh"), ("Mesh", 1),
+                             inputs=[self.cloud, mesh])
+            for word in words:
+                self.assertIn(word, run.log)
+        write_ply(self.cloud, [])
+        self.fails('layer "cloud.ply": the layer has no points: open', ONE_SHOT)
+
     def single_filter(self, name):
         text = (SCRIPTS / "stage_by_stage.mlx").read_text()
         begin = text.index(f' <filter name="Shrink Wrap: {name}"')
