@@ -69,6 +69,7 @@ else()
   check_meshlab_library(${SHRINKWRAP_MESHLAB_COMMON} ${meshlab_version})
   set(meshlab_common ${SHRINKWRAP_MESHLAB_COMMON})
   get_filename_component(meshlab_library_dir ${meshlab_common} DIRECTORY)
+  get_filename_component(meshlab_library_dir ${meshlab_library_dir} REALPATH)  # /lib may be a link to /usr/lib
   string(REGEX REPLACE "/lib[^/]*(/[^/]+)?/meshlab$" "" meshlab_prefix ${meshlab_library_dir})  # with a triplet, or not
   set(MESHLAB_PLUGIN_DIR ${meshlab_library_dir}/plugins)
   set(MESHLAB_SERVER ${meshlab_prefix}/bin/meshlabserver)  # later generations have none

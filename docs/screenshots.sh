@@ -45,7 +45,7 @@ if [ "${1:-}" != --inside ]; then
         dialog) taken=1_dialog ;;
         result) taken=1_mesh ;;
       esac
-      convert "$build/screenshots/$readme_cloud/$taken.png" +dither -colors 96 -strip -define png:compression-level=9 \
+      convert "$build/screenshots/$readme_cloud/$taken.png" +dither -colors 240 -strip -define png:compression-level=9 \
         "PNG8:$root/docs/pictures/meshlab_$picture.png"
     done
   fi
@@ -87,12 +87,12 @@ wait_for() { # seconds, command ...
   done
   give_up "waited in vain for: $*"
 }
-take() { # name: a picture, once the window has come to rest
-  import -window root "$pictures/$1.png"
+take() { # name [part of the screen]: a picture, once the window has come to rest
+  import -window root ${2:+-crop "$2"} "$pictures/$1.png"
   for _ in 1 2 3 4 5 6 7 8 9 10; do
     sleep 0.5
     mv "$pictures/$1.png" "$home/before.png"
-    import -window root "$pictures/$1.png"
+    import -window root ${2:+-crop "$2"} "$pictures/$1.png"
     if [ "$(compare -metric AE "$home/before.png" "$pictures/$1.png" null: 2>&1)" = 0 ]; then return 0; fi
   done
 }
@@ -133,17 +133,28 @@ xdotool key --delay 60 Up # to the last: Surface Reconstruction
 take menu
 xdotool key --delay 100 Escape Escape Escape
 
+# Finds the filter with the search box, whose hits are still those of half its name if the machine is busy.
+open_dialog() {
+  for _ in 1 2 3; do
+    xdotool key --clearmodifiers ctrl+f
+    sleep 1
+    xdotool key --clearmodifiers ctrl+a BackSpace
+    xdotool type --delay 40 "$filter"
+    sleep 1
+    take search "480x220+$((width - 490))+106" # the hits: a cursor blinks above them
+    click $((width - 300)) 118                 # the first
+    for _ in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16; do
+      if window_named "^$filter\$" >/dev/null; then return 0; fi
+      sleep 0.5
+    done
+  done
+  give_up "no dialog $filter"
+}
+
 status=0 number=0
 while read -r filter; do
   number=$((number + 1))
-  xdotool key --clearmodifiers ctrl+f
-  sleep 1
-  xdotool key --clearmodifiers ctrl+a BackSpace
-  xdotool type --delay 40 "$filter"
-  sleep 2
-  [ $number -gt 1 ] || take search
-  click $((width - 300)) 118 # the first hit
-  wait_for 20 window_named "^$filter\$"
+  open_dialog
   take "${number}_dialog"
 
   eval "$(xdotool search --onlyvisible --name "^$filter\$" getwindowgeometry --shell)"
