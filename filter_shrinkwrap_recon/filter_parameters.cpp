@@ -13,6 +13,7 @@ constexpr char kMethod[] = "Method";
 constexpr char kStopAtSurface[] = "StopAtParametricSurface";
 constexpr char kOpenings[] = "Openings";
 constexpr char kSelectedOnly[] = "SelectedOnly";
+constexpr char kExcludeOutliers[] = "ExcludeOutliers";
 constexpr char kKeepStages[] = "KeepStages";
 constexpr char kThreads[] = "Threads";
 constexpr char kNeighbours[] = "Neighbours";
@@ -97,6 +98,15 @@ Parameter selected_only() {
   return boolean(
       kSelectedOnly, "Selected points only", false,
       "Use only the selected points of the layer as samples. At least 4 must be selected.");
+}
+
+Parameter exclude_outliers() {
+  return advanced(
+      boolean(kExcludeOutliers, "Exclude outliers", true,
+              "Leave stray points out of the surface: points and small clumps of points (fewer "
+              "than 30) that lie apart from the rest, far from it by the spacing there. The log "
+              "says how many, and they become a layer of their own, so that none is lost. "
+              "Off: every point becomes a vertex, stray or not."));
 }
 
 Parameter openings() {
@@ -247,6 +257,7 @@ std::vector<Parameter> reconstruct_parameters() {
               "choice when the points are noisy (more than about a quarter of their spacing)."),
       openings(),
       selected_only(),
+      exclude_outliers(),
       advanced(boolean(kKeepStages, "Keep every stage as a layer", false,
                        "Also add the initial mesh, the control mesh, the parametric surface and "
                        "the complete matching before its edges are optimised (As in the paper: "
@@ -358,20 +369,22 @@ std::vector<Parameter> parameters_of(Filter filter) {
       list = reconstruct_parameters();
       break;
     case Filter::initial_mesh:
-      list = {samples_layer(), selected_only(), method()};
+      list = {samples_layer(), selected_only(), exclude_outliers(), method()};
       list.push_back(maximum_genus());
       append(list, solid_parameters());
       append(list, shrink_parameters());
       break;
     case Filter::control_mesh:
-      list = {samples_layer(),
-              mesh_layer("The initial mesh: a closed 2-manifold. It is not changed."),
-              selected_only(), method(), control_vertices()};
+      list = {
+          samples_layer(), mesh_layer("The initial mesh: a closed 2-manifold. It is not changed."),
+          selected_only(), exclude_outliers(),
+          method(),        control_vertices()};
       break;
     case Filter::parametric_surface:
-      list = {samples_layer(),
-              mesh_layer("The control mesh: a closed 2-manifold. It is not changed."),
-              selected_only(), method(), neighbours()};
+      list = {
+          samples_layer(), mesh_layer("The control mesh: a closed 2-manifold. It is not changed."),
+          selected_only(), exclude_outliers(),
+          method(),        neighbours()};
       list.push_back(fit_iterations());
       list.push_back(attraction());
       break;
@@ -379,6 +392,7 @@ std::vector<Parameter> parameters_of(Filter filter) {
       list = {samples_layer(),
               mesh_layer("The parametric surface: a closed 2-manifold. It is not changed."),
               selected_only(),
+              exclude_outliers(),
               method(),
               openings(),
               neighbours()};
@@ -387,14 +401,17 @@ std::vector<Parameter> parameters_of(Filter filter) {
       list = {samples_layer(),
               mesh_layer("The complete matching: a closed 2-manifold. It is not changed."),
               selected_only(),
+              exclude_outliers(),
               method(),
               openings(),
               widest_opening(),
               repair_intersections()};
       break;
     case Filter::matching_report:
-      list = {samples_layer(), mesh_layer("The mesh to be measured. It is not changed."),
+      list = {samples_layer(),
+              mesh_layer("The mesh to be measured. It is not changed."),
               selected_only(),
+              exclude_outliers(),
               boolean(kFailIfIncomplete, "Fail if incomplete", false,
                       "Treat a mesh that is not closed, not 2-manifold or not matched one to one "
                       "as an error, so that a "
@@ -429,6 +446,7 @@ FilterRequest request_of(Filter filter, const ParameterValues& values) {
   request.fail_if_incomplete = reader.is_on(kFailIfIncomplete);
 
   reader.read(kStopAtSurface, options.stop_at_parametric_surface);
+  reader.read(kExcludeOutliers, options.outliers.exclude);
   reader.read(kKeepStages, options.keep_stages);
   reader.read(kThreads, options.threads);
   reader.read(kNeighbours, options.samples.neighbours);

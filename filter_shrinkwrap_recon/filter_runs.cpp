@@ -152,11 +152,47 @@ void warn_of(const RepairReport& report, std::vector<std::string>& warnings) {
                        " could not be parted from others that they meet: they are selected.");
 }
 
+// --- outliers ---
+
+// In the caller's terms: how many were left out, and the points themselves for a layer.
+void tell_of(const OutlierReport& report, FilterOutcome& outcome) {
+  const Index count = static_cast<Index>(report.input_index.size());
+  outcome.figures["outliers"] = count;
+  if (count > 0)
+    outcome.warnings.push_back(
+        count_of(count, "outlier") +
+        " left out of the surface: points that lie apart from the rest. Switch ExcludeOutliers off "
+        "to keep them.");
+  else if (report.suspected > 0)
+    outcome.warnings.push_back(
+        count_of(report.suspected, "sample") +
+        " seem stray, which is too many: none is left out. Remove by hand what is no part of the "
+        "surface.");
+}
+
+ResultMesh points_at(const std::vector<Index>& input_index, const std::vector<Vec3>& points) {
+  ResultMesh result;
+  result.input_index = input_index;
+  for (const Index i : input_index) result.position.push_back(points[i]);
+  return result;
+}
+
+std::string but_outliers(const OutlierReport& report) {
+  if (report.input_index.empty()) return "";
+  return "; every sample but the " +
+         count_of(static_cast<Index>(report.input_index.size()), "outlier") + " left out";
+}
+
 // --- the samples of a stage that runs on its own ---
 
 PointCloud prepare(const FilterInput& input, const ReconstructionOptions& options,
                    Progress& progress, FilterOutcome& outcome) {
   PointCloud cloud = prepare_samples(input.points, options.samples, progress);
+  OutlierReport outliers;
+  if (options.outliers.exclude)
+    outliers = exclude_outliers(cloud, input.points, options.samples, options.outliers, progress);
+  tell_of(outliers, outcome);
+  outcome.outliers = points_at(outliers.input_index, input.points);
   outcome.log.push_back(
       conditioning_line(cloud.conditioning, cloud.frame.to_input_length(cloud.spacing)));
   return cloud;
@@ -189,7 +225,9 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   outcome.figures["seconds_total"] = total;
   outcome.log.push_back(table_row("total", static_cast<Index>(result.mesh.position.size()), total));
   for (std::string& line : describe(result.report)) outcome.log.push_back(std::move(line));
-  outcome.log.push_back(kSucceeded + verdict_of(result.report));
+  outcome.log.push_back(kSucceeded + verdict_of(result.report) + but_outliers(result.outliers));
+  tell_of(result.outliers, outcome);
+  outcome.outliers = points_at(result.outliers.input_index, input.points);
   warn_of(result.orientation, outcome.warnings);
   warn_of(result.initial_mesh, outcome.warnings);
   warn_of(result.complete_matching, outcome.warnings);
@@ -363,17 +401,42 @@ FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterIn
   return outcome;
 }
 
+// The samples that are no outliers; all of them where no cloud can be made of them.
+std::vector<Vec3> without_outliers(const FilterInput& input, const ReconstructionOptions& options,
+                                   OutlierReport& outliers, Progress& progress) {
+  try {
+    PointCloud cloud = prepare_samples(input.points, options.samples, progress);
+    outliers = exclude_outliers(cloud, input.points, options.samples, options.outliers, progress);
+    return points_of(cloud, input.points);
+  } catch (const InvalidInput&) {
+    return input.points;
+  }
+}
+
 FilterOutcome run_matching_report(const FilterRequest& request, const FilterInput& input,
                                   Progress& progress) {
   progress.begin(Stage::report);
-  const MeshReport report = measure_mesh(input.mesh.position, input.mesh.triangles, input.points,
-                                         request.options.report, progress);
-  const bool is_complete = report.closed() && report.manifold() && report.complete_matching();
   FilterOutcome outcome;
-  outcome.figures = figures_of(report);
-  outcome.log = describe(report);
-  const std::string verdict =
-      std::string(is_complete ? "complete: " : "NOT complete: ") + verdict_of(report);
+  MeshReport report = measure_mesh(input.mesh.position, input.mesh.triangles, input.points,
+                                   request.options.report, progress);
+  OutlierReport outliers;
+  // Only if samples are missing does it matter which of them are outliers.
+  if (report.samples_missing > 0 && request.options.outliers.exclude) {
+    const std::vector<Vec3> kept = without_outliers(input, request.options, outliers, progress);
+    if (!outliers.input_index.empty()) {
+      MeshReportOptions again = request.options.report;
+      again.count_self_intersections = false;
+      const Index self_intersecting_faces = report.self_intersecting_faces;
+      report = measure_mesh(input.mesh.position, input.mesh.triangles, kept, again, progress);
+      report.self_intersecting_faces = self_intersecting_faces;
+    }
+    tell_of(outliers, outcome);
+  }
+  const bool is_complete = report.closed() && report.manifold() && report.complete_matching();
+  for (const auto& [name, value] : figures_of(report)) outcome.figures[name] = value;
+  for (std::string& line : describe(report)) outcome.log.push_back(std::move(line));
+  const std::string verdict = std::string(is_complete ? "complete: " : "NOT complete: ") +
+                              verdict_of(report) + but_outliers(outliers);
   if (!is_complete && request.fail_if_incomplete) throw ReconstructionFailed(verdict);
   outcome.log.push_back(kSucceeded + verdict);
   return outcome;
@@ -440,19 +503,25 @@ FilterOutcome dispatch(Filter filter, const FilterRequest& request, const Filter
 }  // namespace
 
 std::vector<Stage> stages_of(Filter filter, const FilterRequest& request) {
+  std::vector<Stage> stages = {Stage::samples};
+  if (request.options.outliers.exclude) stages.push_back(Stage::outliers);
+  const auto and_then = [&](std::initializer_list<Stage> more) {
+    stages.insert(stages.end(), more);
+    return stages;
+  };
   switch (filter) {
     case Filter::reconstruct:
       return stages_of(request.options);
     case Filter::initial_mesh:
-      return {Stage::samples, Stage::orientation, Stage::initial_mesh};
+      return and_then({Stage::orientation, Stage::initial_mesh});
     case Filter::control_mesh:
-      return {Stage::samples, Stage::control_mesh};
+      return and_then({Stage::control_mesh});
     case Filter::parametric_surface:
-      return {Stage::samples, Stage::orientation, Stage::parametric_surface};
+      return and_then({Stage::orientation, Stage::parametric_surface});
     case Filter::complete_matching:
-      return {Stage::samples, Stage::orientation, Stage::complete_matching};
+      return and_then({Stage::orientation, Stage::complete_matching});
     case Filter::edge_optimisation:
-      return {Stage::samples, Stage::edge_optimisation};
+      return and_then({Stage::edge_optimisation});
     case Filter::matching_report:
     case Filter::distance_to_samples:
       return {Stage::report};
@@ -472,6 +541,8 @@ FilterOutcome run_filter(Filter filter, const FilterRequest& request, const Filt
   const int threads = request.options.threads;
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   FilterOutcome outcome = arena.execute([&] { return dispatch(filter, request, input, progress); });
+  // The first stage made the layer of what was left out.
+  if (needs_mesh) outcome.outliers = ResultMesh();
   if (!outcome.mesh.triangles.empty()) {
     outcome.figures["vertices"] = static_cast<Index>(outcome.mesh.position.size());
     outcome.figures["faces"] = static_cast<Index>(outcome.mesh.triangles.size());

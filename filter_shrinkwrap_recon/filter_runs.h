@@ -29,8 +29,9 @@ struct FilterOutcome {
   std::string layer_suffix;         ///< its name, after that of the samples' layer
   std::vector<Index> marked_faces;  ///< to be shown selected in the new layer, ascending
   std::vector<StageRecord> stages;  ///< kept stages, each a layer too
-  std::vector<double> distance;     ///< of every vertex of the input mesh from the nearest sample
-  std::vector<std::string> log;     ///< the last line is the verdict
+  ResultMesh outliers;           ///< points left out, a layer too; without positions there is none
+  std::vector<double> distance;  ///< of every vertex of the input mesh from the nearest sample
+  std::vector<std::string> log;  ///< the last line is the verdict
   std::vector<std::string> warnings;
   Figures figures;
 };

@@ -147,6 +147,12 @@ class NewLayers {
     layer->cm.Tr = samples.cm.Tr;
     layer->updateDataMask(MeshModel::MM_VERTNORMAL | MeshModel::MM_FACENORMAL);
   }
+  // Points of the samples' layer, selected.
+  void add_points(const ResultMesh& chosen, const QString& name, const MeshModel& samples,
+                  const VcgPoints& points) {
+    add(chosen, name, samples, points, {});
+    for (auto& vertex : layers_.back()->cm.vert) vertex.SetS();
+  }
   void keep() { is_kept_ = true; }
 
  private:
@@ -279,6 +285,8 @@ Figures ShrinkWrapReconPlugin::run_on_layers(Filter filter, MeshDocument& docume
   const FilterOutcome outcome = run_filter(filter, request, input, progress);
 
   NewLayers layers(document);
+  if (!outcome.outliers.position.empty())
+    layers.add_points(outcome.outliers, base_name(samples) + " outliers", samples, points);
   for (const StageRecord& stage : outcome.stages)
     layers.add(stage.mesh, base_name(samples) + " " + QString::fromStdString(stage.name), samples,
                points, {});

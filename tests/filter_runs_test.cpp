@@ -67,6 +67,9 @@ class Chain : public ::testing::TestWithParam<ChainCase> {};
 TEST_P(Chain, StageByStageGivesTheBytesOfTheOneShot) {
   std::vector<Vec3> points = in_single_precision(sample_shape(GetParam().kind, 2500, 3));
   for (Vec3& p : points) p = rounded_to_single(100.0 * p + Vec3(1234.5, -77.0, 0.3));
+  const Vec3 centre(1234.5, -77.0, 0.3);
+  for (const Vec3& direction : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, -1)})  // stray points
+    points.push_back(rounded_to_single(centre + 190.0 * direction));
   points.push_back(points[7]);                              // a duplicate
   points.insert(points.begin(), Vec3(std::nan(""), 0, 0));  // and a point that is none
   FilterInput input;
@@ -74,6 +77,13 @@ TEST_P(Chain, StageByStageGivesTheBytesOfTheOneShot) {
   const FilterOutcome one_shot = run(Filter::reconstruct, input, GetParam().changed);
   const FilterOutcome chain = run_chain(points, GetParam().changed);
   expect_same_bytes(one_shot.mesh, chain.mesh);
+  EXPECT_EQ(one_shot.outliers.position.size(), GetParam().changed.count("ExcludeOutliers") ? 0 : 3);
+
+  const FilterOutcome report =
+      run(Filter::matching_report, through_layer(points, one_shot), GetParam().changed);
+  EXPECT_EQ(std::get<Index>(report.figures.at("samples_missing")), 0);
+  EXPECT_EQ(std::get<Index>(report.figures.at("samples")),
+            static_cast<double>(2503 - one_shot.outliers.position.size()));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -81,7 +91,11 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(ChainCase{"closed", ShapeKind::torus, {}},
                       ChainCase{"opening_closed", ShapeKind::hemisphere, {}},
                       ChainCase{"opening_left", ShapeKind::hemisphere, {{"Openings", 1}}},
-                      ChainCase{"as_in_the_paper", ShapeKind::sphere, {{"Method", 1}}}),
+                      ChainCase{"opening_automatic",
+                                ShapeKind::hemisphere,
+                                {{"Openings", 2}, {"WidestOpening", 10}}},
+                      ChainCase{"as_in_the_paper", ShapeKind::sphere, {{"Method", 1}}},
+                      ChainCase{"with_outliers", ShapeKind::blob, {{"ExcludeOutliers", 0}}}),
     [](const auto& test) { return test.param.name; });
 
 TEST(FilterRuns, KeptStagesAreThoseOfTheChain) {
@@ -96,6 +110,26 @@ TEST(FilterRuns, KeptStagesAreThoseOfTheChain) {
   expect_same_bytes(outcome.stages[0].mesh, initial.mesh);
   const FilterOutcome control = run(Filter::control_mesh, through_layer(points, initial));
   expect_same_bytes(outcome.stages[1].mesh, control.mesh);
+}
+
+TEST(FilterRuns, OutliersAreTold) {
+  std::vector<Vec3> points = in_single_precision(sample_shape(ShapeKind::sphere, 1500, 8));
+  points.insert(points.begin() + 10, Vec3(2, 2, 2));
+  FilterInput input;
+  input.points = points;
+  const FilterOutcome outcome = run(Filter::reconstruct, input);
+  ASSERT_EQ(outcome.outliers.position.size(), 1u);
+  EXPECT_EQ(outcome.outliers.input_index, std::vector<Index>{10});
+  EXPECT_EQ(outcome.outliers.position[0], Vec3(2, 2, 2));
+  EXPECT_EQ(std::get<Index>(outcome.figures.at("outliers")), 1);
+  EXPECT_NE(outcome.log.back().find("1500 of 1500 samples matched"), std::string::npos)
+      << outcome.log.back();
+  EXPECT_NE(outcome.log.back().find("every sample but the 1 outlier left out"), std::string::npos)
+      << outcome.log.back();
+  const FilterOutcome all = run(Filter::reconstruct, input, {{"ExcludeOutliers", 0}});
+  EXPECT_TRUE(all.outliers.position.empty());
+  EXPECT_NE(all.log.back().find("1501 of 1501 samples matched"), std::string::npos)
+      << all.log.back();
 }
 
 TEST(FilterRuns, EveryRunEndsWithAVerdict) {
@@ -167,7 +201,7 @@ TEST(FilterRuns, FiguresForScriptsHaveFixedTypes) {
     EXPECT_EQ(std::holds_alternative<double>(value), is_time) << name;
     times += is_time;
   }
-  EXPECT_EQ(times, 9) << "eight stages and the total";
+  EXPECT_EQ(times, 10) << "nine stages and the total";
   EXPECT_EQ(std::get<Index>(outcome.figures.at("genus")), 1);
   EXPECT_EQ(std::get<Index>(outcome.figures.at("samples_matched")), 1000);
   EXPECT_EQ(std::get<Index>(outcome.figures.at("self_intersecting_faces")), 0);

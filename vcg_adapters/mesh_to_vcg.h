@@ -46,7 +46,7 @@ constexpr bool has_normals() {
 /// vertex of the cloud has (of the components that both meshes have enabled: colour, quality,
 /// radius, texture coordinates ..., and custom attributes of type float, double, int and
 /// vcg::Point3): extra vertices get the defaults. Coordinates are the result's, normals, if there
-/// are any, are computed and point outwards, nothing is selected but `marked_faces`; the bounding
+/// are any, are computed and point outwards (points without faces keep theirs), nothing is selected but `marked_faces`; the bounding
 /// box is updated. Pre: `result` was made from `points` of `cloud`. O(V + F).
 template <class CloudMesh, class Mesh>
 void mesh_to_vcg(const ResultMesh& result, const CloudMesh& cloud, const VcgPoints& points,
@@ -83,6 +83,7 @@ void mesh_to_vcg(const ResultMesh& result, const CloudMesh& cloud, const VcgPoin
 
   vcg::tri::UpdateBounding<Mesh>::Box(mesh);
   if constexpr (internal::has_normals<Mesh>()) {
+    if (result.triangles.empty()) return;  // points keep the normals that they brought
     vcg::tri::UpdateNormal<Mesh>::PerFaceNormalized(mesh);
     vcg::tri::UpdateNormal<Mesh>::PerVertexAngleWeighted(mesh);
     vcg::tri::UpdateNormal<Mesh>::NormalizePerVertex(mesh);

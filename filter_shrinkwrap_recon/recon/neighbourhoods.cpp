@@ -18,7 +18,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 // eigenvalues and trace 1, without a transcendental function. Up to the smallest root the
 // characteristic polynomial rises and is concave, so that Newton's iteration from 0 rises to that
 // root; the eigenvector is then normal to all rows. False where two eigenvalues nearly coincide.
-bool find_least_eigenvector(const Eigen::Matrix3d& m, Vec3& eigenvector) {
+bool find_least_eigenvector(const Eigen::Matrix3d& m, double& eigenvalue, Vec3& eigenvector) {
   constexpr int kMostIterations = 12;
   constexpr double kConverged = 1e-14;
   constexpr double kLeastGap = 1e-5;  // product of the distances to the other eigenvalues
@@ -45,11 +45,16 @@ bool find_least_eigenvector(const Eigen::Matrix3d& m, Vec3& eigenvector) {
   }
   if (!(longest > kLeastGap * kLeastGap)) return false;
   eigenvector /= std::sqrt(longest);
+  eigenvalue = root;
   return true;
 }
 
-// Normal of the plane through the mean of points that fits them best. Sums about an origin near
-// them.
+struct FittedPlane {
+  Vec3f normal = Vec3f::UnitZ();
+  float deviation = 0.0f;  // of the points, root mean square
+};
+
+// The plane through the mean of points that fits them best. Sums about an origin near them.
 class PlaneFit {
  public:
   void add(double x, double y, double z) {
@@ -64,7 +69,7 @@ class PlaneFit {
     yz_ += y * z;
     zz_ += z * z;
   }
-  Vec3f normal() const {
+  FittedPlane plane() const {
     const double mx = x_ / count_, my = y_ / count_, mz = z_ / count_;
     Eigen::Matrix3d covariance;
     covariance(0, 0) = xx_ - x_ * mx;
@@ -74,12 +79,17 @@ class PlaneFit {
     covariance(0, 2) = covariance(2, 0) = xz_ - x_ * mz;
     covariance(1, 2) = covariance(2, 1) = yz_ - y_ * mz;
     const double trace = covariance.trace();
-    if (!(trace > 1e-280)) return Vec3f::UnitZ();  // all in one place
+    if (!(trace > 1e-280)) return {};  // all in one place
     covariance *= 1.0 / trace;
+    double eigenvalue = 0.0;
     Vec3 normal;
-    if (!find_least_eigenvector(covariance, normal))
-      normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors().col(0);
-    return normal.cast<float>();
+    if (!find_least_eigenvector(covariance, eigenvalue, normal)) {
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+      eigenvalue = solver.eigenvalues()[0];
+      normal = solver.eigenvectors().col(0);
+    }
+    const double variance = std::max(eigenvalue, 0.0) * trace / count_;
+    return {normal.cast<float>(), static_cast<float>(std::sqrt(variance))};
   }
 
  private:
@@ -155,7 +165,7 @@ class Gathering {
   // Results of the last successful selection.
   Index position_in_order(int entry) const { return order_[nearest_[entry]]; }
   float radius() const { return std::sqrt(std::max(distance_[nearest_[k_ - 1]], 0.0f)); }
-  Vec3f normal() const {
+  FittedPlane plane() const {
     PlaneFit fit;
     const float *x = x_.data(), *y = y_.data(), *z = z_.data();
     const std::int32_t me = nearest_[0];
@@ -164,7 +174,7 @@ class Gathering {
       fit.add(static_cast<double>(x[j]) - x[me], static_cast<double>(y[j]) - y[me],
               static_cast<double>(z[j]) - z[me]);
     }
-    return fit.normal();
+    return fit.plane();
   }
 
   void set_guess(float radius) { guess_ = std::max(radius * radius * 1.25f, 1e-37f); }
@@ -221,7 +231,7 @@ class BlockSearch {
         for (int e = 0; e < result_.k; ++e)
           entry[e] = search_.ordered_index()[gathering_.position_in_order(e)];
         result_.radius[point] = gathering_.radius();
-        result_.normal[point] = gathering_.normal();
+        set_plane(point, gathering_.plane());
       } else {
         find_exactly(i);
       }
@@ -272,7 +282,12 @@ class BlockSearch {
       fit.add(p.x(), p.y(), p.z());
     }
     result_.radius[point] = static_cast<float>(std::sqrt(hits_[result_.k - 1].squared_distance));
-    result_.normal[point] = fit.normal();
+    set_plane(point, fit.plane());
+  }
+
+  void set_plane(Index point, const FittedPlane& plane) {
+    result_.normal[point] = plane.normal;
+    result_.deviation[point] = plane.deviation;
   }
 
   static constexpr double kMargin = 1.35;
@@ -300,6 +315,7 @@ Neighbourhoods find_neighbourhoods(const std::vector<Vec3>& points, const VoxelS
   result.neighbour.resize(count * static_cast<std::size_t>(result.k));
   result.radius.resize(count);
   result.normal.resize(count);
+  result.deviation.resize(count);
   const std::vector<VoxelSearch::Range> groups = search.groups(kGroupPoints);
   parallel_blocks(static_cast<Index>(groups.size()), kGroupsPerBlock, progress,
                   [&](Index, Index begin, Index end) {

@@ -12,6 +12,7 @@ struct Neighbourhoods {
   std::vector<Index> neighbour;  ///< k per point, nearest first; entry 0 is the point itself
   std::vector<float> radius;     ///< distance to the last entry
   std::vector<Vec3f> normal;     ///< unit; of the plane that fits the entries best, sign arbitrary
+  std::vector<float> deviation;  ///< of the entries from that plane, root mean square
 };
 
 /// Finds the neighbourhoods of all points; `search` was made of the same. The points of a voxel

@@ -235,6 +235,7 @@ PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions&
   cloud.neighbour_count = neighbourhoods.k;
   cloud.neighbour = std::move(neighbourhoods.neighbour);
   cloud.normal = std::move(neighbourhoods.normal);
+  cloud.deviation = std::move(neighbourhoods.deviation);
   cloud.local_spacing = std::move(neighbourhoods.radius);
 
   // A disc of radius d_k around a sample holds k - 1 others, each with an area of s^2 to itself.
@@ -248,6 +249,13 @@ PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions&
   const float floor = static_cast<float>(1e-3 * cloud.spacing);
   for (float& spacing : cloud.local_spacing) spacing = std::max(spacing, floor);
   return cloud;
+}
+
+std::vector<Vec3> points_of(const PointCloud& cloud, const std::vector<Vec3>& points) {
+  std::vector<Vec3> result;
+  result.reserve(cloud.input_index.size());
+  for (const Index i : cloud.input_index) result.push_back(points[i]);
+  return result;
 }
 
 }  // namespace shrinkwrap

@@ -14,6 +14,7 @@ namespace shrinkwrap {
 /// The stages of the method, in order. A run declares which of them it will pass.
 enum class Stage {
   samples,
+  outliers,
   orientation,
   initial_mesh,
   control_mesh,
@@ -22,7 +23,7 @@ enum class Stage {
   edge_optimisation,
   report,
 };
-constexpr int kStageCount = 8;
+constexpr int kStageCount = 9;
 
 /// Short name for progress bars, logs and tables, for example "control mesh".
 const char* stage_name(Stage stage);

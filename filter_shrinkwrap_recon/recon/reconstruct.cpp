@@ -92,8 +92,13 @@ Reconstruction run(const std::vector<Vec3>& points, const ReconstructionOptions&
   require_memory_for(points.size(), options.memory_limit);
   PointCloud cloud = prepare_samples(points, options.samples, progress);
   result.conditioning = cloud.conditioning;
-  result.spacing = cloud.frame.to_input_length(cloud.spacing);
   log.add(Stage::samples, cloud.size());
+
+  if (options.outliers.exclude) {
+    result.outliers = exclude_outliers(cloud, points, options.samples, options.outliers, progress);
+    log.add(Stage::outliers, cloud.size());
+  }
+  result.spacing = cloud.frame.to_input_length(cloud.spacing);
 
   result.orientation = orient_normals(cloud, options.orientation, progress);
   log.add(Stage::orientation, cloud.size());
@@ -164,11 +169,13 @@ Reconstruction run(const std::vector<Vec3>& points, const ReconstructionOptions&
   }
 
   progress.begin(Stage::report);
+  const std::vector<Vec3> kept =
+      result.outliers.input_index.empty() ? std::vector<Vec3>() : points_of(cloud, points);
   cloud = PointCloud();
   MeshReportOptions report_options = options.report;
   if (is_counted) report_options.count_self_intersections = false;
-  result.report =
-      measure_mesh(result.mesh.position, result.mesh.triangles, points, report_options, progress);
+  result.report = measure_mesh(result.mesh.position, result.mesh.triangles,
+                               kept.empty() ? points : kept, report_options, progress);
   if (is_counted) result.report.self_intersecting_faces = result.intersection_repair.faces_after;
   log.add(Stage::report, result.report.vertices);
   check_promise(result, options);
@@ -191,8 +198,10 @@ ReconstructionOptions as_in_the_paper() {
 }
 
 std::vector<Stage> stages_of(const ReconstructionOptions& options) {
-  std::vector<Stage> stages = {Stage::samples, Stage::orientation, Stage::initial_mesh,
-                               Stage::control_mesh, Stage::parametric_surface};
+  std::vector<Stage> stages = {Stage::samples};
+  if (options.outliers.exclude) stages.push_back(Stage::outliers);
+  stages.insert(stages.end(), {Stage::orientation, Stage::initial_mesh, Stage::control_mesh,
+                               Stage::parametric_surface});
   if (!options.stop_at_parametric_surface) {
     stages.push_back(Stage::complete_matching);
     stages.push_back(Stage::edge_optimisation);

@@ -12,6 +12,7 @@
 #include "mesh_report.h"
 #include "openings.h"
 #include "orientation.h"
+#include "outliers.h"
 #include "parametric_surface.h"
 #include "point_cloud.h"
 #include "result_mesh.h"
@@ -20,6 +21,7 @@ namespace shrinkwrap {
 
 struct ReconstructionOptions {
   SampleOptions samples;
+  OutlierOptions outliers;
   OrientationOptions orientation;
   InitialMeshOptions initial_mesh;
   ControlMeshOptions control_mesh;
@@ -53,10 +55,12 @@ struct StageRecord {
 
 struct Reconstruction {
   /// Faces that span an opening carry their longest edge (x spacing) as quality, others 0; none has
-  /// a quality if none spans.
-  ResultMesh mesh;                  ///< vertex i is the i-th distinct sample in the caller's order
+  /// a quality if none spans. Vertex i is the i-th distinct sample that is no outlier, in the
+  /// caller's order.
+  ResultMesh mesh;
   std::vector<StageRecord> stages;  ///< the rows of table 1, in order
   ConditioningReport conditioning;
+  OutlierReport outliers;  ///< the samples that the promise leaves out
   OrientationReport orientation;
   InitialMeshReport initial_mesh;
   ParametricSurfaceReport parametric_surface;

@@ -1,0 +1,294 @@
+#include "outliers.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "parallel.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr Index kGrain = 1 << 12;
+constexpr Index kUnionsPerUpdate = 1 << 14;
+constexpr int kJoinedNeighbours = 6;  // of a core sample, before the small sets are looked at again
+constexpr int kLeastNeighbours = 4;
+constexpr Index kLeastSamples = 64;  // fewer tell nothing of what is dense
+constexpr double kOwnRoughness =
+    1.1;  // a single neighbourhood may be a little rougher than the mean
+// A sample at height h over a patch has no neighbour within that, and lifts the deviation of its
+// neighbourhood of k to about h / sqrt(k).
+constexpr double kGapOfHeight = 0.8, kDeviationOfHeight = 0.15;
+constexpr double kPi = 3.14159265358979323846;
+
+// Union-find; the lowest sample of a set is its root.
+class Sets {
+ public:
+  explicit Sets(Index count) : parent_(static_cast<std::size_t>(count)) {
+    for (Index i = 0; i < count; ++i) parent_[i] = i;
+  }
+  Index find(Index i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(Index a, Index b) {
+    a = find(a);
+    b = find(b);
+    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<Index> parent_;
+};
+
+class OutlierSearch {
+ public:
+  OutlierSearch(const PointCloud& cloud, const OutlierOptions& options, Progress& progress)
+      : cloud_(cloud), options_(options), progress_(progress) {}
+
+  std::vector<Index> find() {
+    mark_core();
+    join_core();
+    join_small_sets();
+    attach_others();
+    return collect();
+  }
+
+ private:
+  bool are_within(double reach, Index a, Index b) const {
+    const double distance = reach * std::min(cloud_.local_spacing[a], cloud_.local_spacing[b]);
+    return (cloud_.position[a] - cloud_.position[b]).squaredNorm() <= distance * distance;
+  }
+
+  double roughness(Index sample) const {
+    return cloud_.deviation[sample] / (spacings_per_radius_ * cloud_.local_spacing[sample]);
+  }
+
+  // Core samples hold others.
+  void mark_core() {
+    core_.assign(cloud_.position.size(), 0);
+    parallel_for_each(cloud_.size(), kGrain, progress_,
+                      [&](Index i) { core_[i] = is_dense(i) && !is_haze(i); });
+  }
+
+  // As dense as most of its neighbours.
+  bool is_dense(Index sample) const {
+    const Index* list = cloud_.neighbours_of(sample);
+    const float least = cloud_.local_spacing[sample] / static_cast<float>(options_.least_alike);
+    int alike = 0;
+    for (int e = 1; e < cloud_.neighbour_count; ++e)
+      alike += cloud_.local_spacing[list[e]] >= least;
+    return 2 * alike >= cloud_.neighbour_count - 1;
+  }
+
+  // Stray points all over a box are as dense as their neighbours where these are stray too, but
+  // sparse, and not in planes.
+  bool is_haze(Index sample) const {
+    const double spacing = cloud_.local_spacing[sample];
+    if (spacing <= options_.sparse * cloud_.spacing) return false;
+    const Index* list = cloud_.neighbours_of(sample);
+    const double gap = options_.gap * spacing;
+    if ((cloud_.position[list[1]] - cloud_.position[sample]).squaredNorm() > gap * gap) return true;
+    if (roughness(sample) > kOwnRoughness * options_.roughness) return true;
+    double sum = 0.0;
+    for (int e = 0; e < cloud_.neighbour_count; ++e) sum += roughness(list[e]);
+    return sum > options_.roughness * cloud_.neighbour_count;
+  }
+
+  void join_core() {
+    const int joined = std::min(kJoinedNeighbours, cloud_.neighbour_count - 1);
+    for (Index i = 0; i < cloud_.size(); ++i) {
+      if (i % kUnionsPerUpdate == 0) progress_.update(static_cast<double>(i) / cloud_.size());
+      if (!core_[i]) continue;
+      const Index* list = cloud_.neighbours_of(i);
+      for (int e = 1; e <= joined; ++e)
+        if (core_[list[e]] && are_within(options_.reach, i, list[e])) sets_.join(i, list[e]);
+    }
+    count_sets();
+  }
+
+  void count_sets() {
+    size_.assign(cloud_.position.size(), 0);
+    for (Index i = 0; i < cloud_.size(); ++i)
+      if (core_[i]) ++size_[sets_.find(i)];
+  }
+  bool is_large(Index core_sample) { return size_[sets_.find(core_sample)] >= smallest_; }
+
+  // Of small sets, all that they hold together with is searched, in the neighbour lists or not.
+  void join_small_sets() {
+    std::vector<Index> set(cloud_.position.size(), kNone), small;
+    for (Index i = 0; i < cloud_.size(); ++i) {
+      if (!core_[i]) continue;
+      set[i] = sets_.find(i);
+      if (size_[set[i]] < smallest_) small.push_back(i);
+    }
+    std::vector<Index> other(small.size(), kNone);
+    parallel_for_each(static_cast<Index>(small.size()), kGrain / 16, progress_, [&](Index n) {
+      const Index own = set[small[n]];
+      other[n] = nearest_within(options_.reach, small[n],
+                                [&](Index j) { return core_[j] && set[j] != own; });
+    });
+    for (std::size_t n = 0; n < small.size(); ++n)
+      if (other[n] != kNone) sets_.join(small[n], other[n]);
+    count_sets();
+  }
+
+  // Samples that hold no others belong to the large sets near them.
+  void attach_others() {
+    kept_.assign(cloud_.position.size(), 0);
+    for (Index i = 0; i < cloud_.size(); ++i) kept_[i] = core_[i] && is_large(i);
+    keep_more([&](Index i) { return !core_[i] && is_held(i, options_.reach_of_others); });
+    keep_more([&](Index i) { return !core_[i] && is_held(i, options_.reach_beyond); });
+    keep_more([&](Index i) { return is_supported(i); });
+  }
+
+  // Keeps those of the samples left over of which `belongs` says so, all at once.
+  template <class Belongs>
+  void keep_more(const Belongs& belongs) {
+    std::vector<Index> left;
+    for (Index i = 0; i < cloud_.size(); ++i)
+      if (!kept_[i]) left.push_back(i);
+    std::vector<char> keep(left.size(), 0);
+    parallel_for_each(static_cast<Index>(left.size()), kGrain / 16, progress_,
+                      [&](Index n) { keep[n] = belongs(left[n]); });
+    for (std::size_t n = 0; n < left.size(); ++n) kept_[left[n]] = keep[n];
+  }
+
+  // Whether a sample lies in the planes of most of its neighbours, and these are kept.
+  bool is_supported(Index sample) const {
+    const Index* list = cloud_.neighbours_of(sample);
+    int support = 0;
+    for (int e = 1; e < cloud_.neighbour_count; ++e) {
+      if (!kept_[list[e]]) continue;
+      const Vec3f d = (cloud_.position[sample] - cloud_.position[list[e]]).cast<float>();
+      const float height = d.dot(cloud_.normal[list[e]]);
+      support += height * height <= options_.slope * options_.slope * d.squaredNorm();
+    }
+    return support >= options_.support * (cloud_.neighbour_count - 1);
+  }
+
+  // The nearest sample that `accept` is true of, no farther than `reach` times the smaller of the
+  // two spacings.
+  template <class Accept>
+  Index nearest_within(double reach, Index sample, const Accept& accept) const {
+    const auto is_near = [&](Index other) {
+      return other != sample && accept(other) && are_within(reach, sample, other);
+    };
+    return cloud_.search
+        .nearest_if(cloud_.position[sample], reach * cloud_.local_spacing[sample], is_near)
+        .index;
+  }
+  bool is_held(Index sample, double reach) const {
+    return nearest_within(reach, sample, [&](Index other) { return kept_[other] != 0; }) != kNone;
+  }
+
+  // Whether a sample juts out of the plane of its neighbours: of a flat, dense patch, that is.
+  bool juts_out(Index sample) const {
+    const Index* list = cloud_.neighbours_of(sample);
+    const Vec3& origin = cloud_.position[sample];
+    const double gap = (cloud_.position[list[1]] - origin).norm();
+    const double least_height = options_.height * cloud_.local_spacing[list[1]];
+    if (gap < kGapOfHeight * least_height ||
+        cloud_.deviation[sample] < kDeviationOfHeight * least_height)
+      return false;
+    Vec3 sum = Vec3::Zero();
+    Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+    std::vector<float> spacing;
+    for (int e = 1; e < cloud_.neighbour_count; ++e) {
+      if (!kept_[list[e]]) continue;
+      const Vec3 d = cloud_.position[list[e]] - origin;
+      sum += d;
+      squares += d * d.transpose();
+      spacing.push_back(cloud_.local_spacing[list[e]]);
+    }
+    if (spacing.size() < kLeastNeighbours) return false;
+    const double count = static_cast<double>(spacing.size());
+    const Vec3 mean = sum / count;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(squares / count -
+                                                                mean * mean.transpose());
+    const double height = std::abs(mean.dot(solver.eigenvectors().col(0)));
+    const double deviation = std::sqrt(std::max(solver.eigenvalues()[0], 0.0));
+    const auto middle = spacing.begin() + static_cast<std::ptrdiff_t>(spacing.size() / 2);
+    std::nth_element(spacing.begin(), middle, spacing.end());
+    return height > options_.height * *middle && height > options_.height_deviations * deviation;
+  }
+
+  std::vector<Index> collect() {
+    return parallel_collect<Index>(cloud_.size(), kGrain, progress_,
+                                   [&](Index begin, Index end, std::vector<Index>& out) {
+                                     for (Index i = begin; i < end; ++i)
+                                       if (!kept_[i] || juts_out(i)) out.push_back(i);
+                                   });
+  }
+
+  const PointCloud& cloud_;
+  const OutlierOptions& options_;
+  Progress& progress_;
+  // A disc of radius r around a sample holds the k - 1 others: spacing s = r sqrt(pi / (k - 1)).
+  const double spacings_per_radius_ = std::sqrt((cloud_.neighbour_count - 1) / kPi);
+  const Index smallest_ = std::min(options_.smallest_set, std::max<Index>(cloud_.size() / 100, 4));
+  std::vector<char> core_, kept_;
+  Sets sets_{cloud_.size()};
+  std::vector<Index> size_;  // of the set, at its root
+};
+
+}  // namespace
+
+std::vector<Index> find_outliers(const PointCloud& cloud, const OutlierOptions& options,
+                                 Progress& progress) {
+  if (cloud.size() < kLeastSamples || cloud.neighbour_count <= kLeastNeighbours) return {};
+  return OutlierSearch(cloud, options, progress).find();
+}
+
+OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& points,
+                               const SampleOptions& sample_options, const OutlierOptions& options,
+                               Progress& progress) {
+  progress.begin(Stage::outliers);
+  OutlierReport report;
+  std::vector<Index> stray = find_outliers(cloud, options, progress);
+  report.rounds = 1;
+  if (stray.empty()) return report;
+
+  const std::size_t most = static_cast<std::size_t>(options.most * cloud.position.size());
+  PointCloud rest;
+  std::vector<Index> input_index;  // of the points that are left
+  const auto leave_out = [&](const PointCloud& from) {
+    std::vector<char> is_stray(from.position.size(), 0);
+    for (const Index i : stray) {
+      is_stray[i] = 1;
+      report.input_index.push_back(from.input_index[i]);
+    }
+    input_index.clear();
+    for (Index i = 0; i < from.size(); ++i)
+      if (!is_stray[i]) input_index.push_back(from.input_index[i]);
+    std::sort(input_index.begin(), input_index.end());
+  };
+  for (leave_out(cloud);; leave_out(rest)) {
+    report.suspected = static_cast<Index>(report.input_index.size());
+    if (report.input_index.size() > most) {
+      report.input_index.clear();
+      return report;
+    }
+    std::vector<Vec3> left;
+    left.reserve(input_index.size());
+    for (const Index i : input_index) left.push_back(points[i]);
+    try {
+      rest = prepare_samples(left, sample_options, progress);
+    } catch (const InvalidInput&) {
+      report.input_index.clear();
+      return report;
+    }
+    progress.begin(Stage::outliers);
+    for (Index& i : rest.input_index) i = input_index[i];
+    if (report.rounds == options.most_rounds) break;
+    stray = find_outliers(rest, options, progress);
+    ++report.rounds;
+    if (stray.empty()) break;
+  }
+  rest.conditioning = cloud.conditioning;
+  cloud = std::move(rest);
+  std::sort(report.input_index.begin(), report.input_index.end());
+  return report;
+}
+
+}  // namespace shrinkwrap

@@ -1,0 +1,63 @@
+// Stray points: found before orientation, left out of the surface, and reported.
+#pragma once
+
+#include <vector>
+
+#include "point_cloud.h"
+
+namespace shrinkwrap {
+
+struct OutlierOptions {
+  bool exclude = true;  ///< off: every distinct sample is part of the surface
+
+  // What holds samples together, as in DBSCAN (Ester et al. 1996): core samples join sets, others
+  // belong to the sets near them. Reaches are x the smaller local spacing of two samples.
+  double reach = 2.5;            ///< between core samples
+  double reach_of_others = 3.0;  ///< from a core sample to one that is none
+  double reach_beyond = 1.5;     ///< from there to one further
+  Index smallest_set = 30;       ///< samples; a hundredth of all where that is less, at least 4
+  /// No core sample has a spacing of more than this many times that of most of its neighbours ...
+  double least_alike = 1.5;
+  /// ... nor, if its spacing is more than this many times the median, may it be part of a haze of
+  /// stray points that hold each other together:
+  double sparse = 1.4;
+  double roughness =
+      0.23;           ///< mean deviation of neighbourhoods from their planes, x radius, at most
+  double gap = 1.25;  ///< distance from the nearest neighbour, x its spacing, at most
+
+  // A sample that nothing holds stays if it lies in the planes of its neighbours.
+  double slope = 0.25;   ///< height over the plane of a neighbour, x distance from it, at most
+  double support = 0.6;  ///< part of the neighbours of which that is true, at least
+
+  // A sample that is held is stray if it juts out of a patch that is flat without it.
+  double height = 1.0;             ///< over the plane of its neighbours, x their spacing, at least
+  double height_deviations = 7.0;  ///< x their own deviation from that plane, at least
+
+  /// If more than this part of the samples seems stray, none is left out: what is so frequent is
+  /// how the cloud was taken.
+  double most = 0.2;
+  /// What is left is searched again, since stray points hide others, until nothing more is found.
+  int most_rounds = 6;
+};
+
+struct OutlierReport {
+  std::vector<Index> input_index;  ///< of the samples left out, ascending
+  Index suspected = 0;  ///< more than that if so many seemed stray that none was left out
+  int rounds = 0;       ///< of the search
+};
+
+/// The stray samples of a cloud, ascending, found in one round. O(N) expected, parallel but for the
+/// union-find, the same for any number of threads.
+std::vector<Index> find_outliers(const PointCloud& cloud, const OutlierOptions& options,
+                                 Progress& progress);
+
+/// Leaves stray samples out of a cloud: it becomes what it would have been had the
+/// points never been there, but for `conditioning` and `input_index`, which still speak of all
+/// points. So the rest of the points alone gives the same cloud. Pre: `cloud` was prepared from
+/// `points` with `sample_options`. Where no cloud would be left that has a surface (fewer than 4
+/// samples, all in one plane), nothing is left out.
+OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& points,
+                               const SampleOptions& sample_options, const OutlierOptions& options,
+                               Progress& progress);
+
+}  // namespace shrinkwrap

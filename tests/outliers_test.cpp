@@ -1,0 +1,224 @@
+#include "outliers.h"
+
+#include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "reconstruct.h"
+#include "shapes.h"
+
+namespace {
+
+using namespace shrinkwrap;
+using namespace shrinkwrap::testing;
+
+struct Cleaned {
+  PointCloud cloud;
+  OutlierReport report;
+};
+
+Cleaned cleaned(const std::vector<Vec3>& points, const OutlierOptions& options = {}) {
+  Progress silent;
+  Cleaned result;
+  result.cloud = prepare_samples(points, {}, silent);
+  result.report = exclude_outliers(result.cloud, points, {}, options, silent);
+  return result;
+}
+
+std::size_t found_in(const std::vector<Vec3>& points) {
+  return cleaned(points).report.input_index.size();
+}
+
+// Points uniformly in the cube [-1.2, 1.2]^3.
+void add_stray_points(std::vector<Vec3>& points, Index count, Random& random) {
+  for (Index i = 0; i < count; ++i) points.push_back(1.2 * random.in_cube());
+}
+
+TEST(Outliers, EvenlyAndUnevenlySampledShapesKeepEverySample) {
+  for (const ShapeKind kind : all_shapes()) {
+    SCOPED_TRACE(shape_of(kind).name);
+    EXPECT_EQ(found_in(sample_shape(kind, 400, 1)), 0u);
+    EXPECT_EQ(found_in(sample_shape(kind, 4000, 2)), 0u);
+    EXPECT_EQ(found_in(sample_shape_blue_noise(kind, 1500, 3)), 0u);
+  }
+}
+
+TEST(Outliers, NoiseIsNotStray) {
+  SampleDefects defects;
+  for (const double noise : {0.1, 0.25, 0.5}) {
+    SCOPED_TRACE(noise);
+    defects.noise = noise;
+    EXPECT_LE(found_in(sample_shape(ShapeKind::blob, 5000, 4, defects)), 2u);
+  }
+}
+
+TEST(Outliers, SparsePartsAreNotStray) {
+  for (const double ratio : {10.0, 100.0}) {
+    SCOPED_TRACE(ratio);
+    Random random(5);
+    std::vector<Vec3> gradual, abrupt;
+    for (const Vec3& p : sample_shape(ShapeKind::torus, 60000, 5)) {
+      const double chance = random.uniform();
+      if (chance < 0.3 * std::pow(ratio, -std::clamp(0.5 + 0.5 * p.x(), 0.0, 1.0)))
+        gradual.push_back(p);
+      if (chance < (p.x() > 0.0 ? 0.3 / ratio : 0.3)) abrupt.push_back(p);
+    }
+    EXPECT_EQ(found_in(gradual), 0u);
+    EXPECT_LE(found_in(abrupt), ratio > 50.0 ? 1u : 0u);
+  }
+}
+
+TEST(Outliers, ScanLinesAreNotStray) {
+  for (const double gap : {3.0, 10.0, 20.0}) {
+    SCOPED_TRACE(gap);
+    constexpr double kStep = 0.01, kTurn = 6.283185307179586;
+    std::vector<Vec3> points;
+    for (double z = -1.0 + 0.5 * gap * kStep; z < 1.0; z += gap * kStep) {
+      const double radius = std::sqrt(1.0 - z * z);
+      const int count = std::max(1, static_cast<int>(kTurn * radius / kStep));
+      for (int i = 0; i < count; ++i)
+        points.push_back(
+            {radius * std::cos(kTurn * i / count), radius * std::sin(kTurn * i / count), z});
+    }
+    EXPECT_EQ(found_in(points), 0u);
+  }
+}
+
+TEST(Outliers, StrayPointsAreFoundAndNothingElse) {
+  for (const ShapeKind kind : {ShapeKind::sphere, ShapeKind::blob, ShapeKind::two_spheres})
+    for (const double part : {0.005, 0.05}) {
+      SCOPED_TRACE(shape_of(kind).name + " " + std::to_string(part));
+      std::vector<Vec3> points = sample_shape(kind, 8000, 6);
+      const VoxelSearch surface(points);
+      const Index samples = static_cast<Index>(points.size());
+      Random random(7);
+      add_stray_points(points, static_cast<Index>(part * samples), random);
+      const Cleaned result = cleaned(points);
+
+      Index false_alarms = 0, stray = 0, found = 0;
+      for (const Index i : result.report.input_index) false_alarms += i < samples;
+      for (Index i = samples; i < static_cast<Index>(points.size()); ++i) {
+        const double reach = 3.0 * result.cloud.frame.to_input_length(result.cloud.spacing);
+        if (surface.nearest(points[i]).squared_distance < reach * reach) continue;
+        ++stray;
+        found += std::binary_search(result.report.input_index.begin(),
+                                    result.report.input_index.end(), i);
+      }
+      EXPECT_EQ(false_alarms, 0);
+      EXPECT_GT(stray, 0.5 * part * samples);
+      EXPECT_GE(found, (part < 0.01 ? 1.0 : 0.9) * stray) << "of " << stray;
+    }
+}
+
+TEST(Outliers, SmallClustersAreStrayAndSmallBodiesAreNot) {
+  std::vector<Vec3> points = sample_shape(ShapeKind::torus, 6000, 8);
+  Random random(9);
+  const double spacing = 0.03;
+  const auto add_ball = [&](const Vec3& centre, Index count, double radius) {
+    for (Index i = 0; i < count; ++i) points.push_back(centre + radius * random.direction());
+  };
+  for (const Index count : {1, 3, 8, 20, 28}) {
+    const double turn = 0.2 * count;
+    add_ball(2.0 * Vec3(std::cos(turn), std::sin(turn), 0.5), count, spacing);
+  }
+  const std::size_t stray = points.size() - 6000;
+  add_ball({0.0, 0.0, -2.0}, 40, 2.0 * spacing);
+  const Cleaned result = cleaned(points);
+  ASSERT_EQ(result.report.input_index.size(), stray);
+  EXPECT_EQ(result.report.input_index.front(), 6000);
+  EXPECT_EQ(result.report.input_index.back(), static_cast<Index>(6000 + stray - 1));
+}
+
+TEST(Outliers, TheRestAloneGivesTheSameCloud) {
+  std::vector<Vec3> points = sample_shape(ShapeKind::double_torus, 5000, 10);
+  Random random(11);
+  add_stray_points(points, 250, random);
+  std::shuffle(points.begin(), points.end(), std::mt19937(12));
+  points.push_back(points[5]);
+  const Cleaned result = cleaned(points);
+  ASSERT_GT(result.report.input_index.size(), 100u);
+  EXPECT_EQ(result.cloud.conditioning.given, points.size());
+  EXPECT_EQ(result.cloud.conditioning.duplicates, 1u);
+  EXPECT_EQ(result.cloud.position.size() + result.report.input_index.size(),
+            result.cloud.conditioning.distinct);
+
+  const std::vector<Vec3> left = points_of(result.cloud, points);
+  const Cleaned again = cleaned(left);
+  EXPECT_TRUE(again.report.input_index.empty());
+  EXPECT_EQ(again.report.rounds, 1);
+  EXPECT_EQ(again.cloud.position, result.cloud.position);
+  EXPECT_EQ(again.cloud.neighbour, result.cloud.neighbour);
+  EXPECT_EQ(again.cloud.spacing, result.cloud.spacing);
+}
+
+TEST(Outliers, ThreadsDoNotMatter) {
+  std::vector<Vec3> points = sample_shape(ShapeKind::blob, 20000, 13);
+  Random random(14);
+  add_stray_points(points, 1000, random);
+  const auto with_threads = [&](int threads) {
+    return tbb::task_arena(threads).execute([&] { return cleaned(points).report.input_index; });
+  };
+  const std::vector<Index> one = with_threads(1);
+  EXPECT_GT(one.size(), 700u);
+  EXPECT_EQ(one, with_threads(3));
+}
+
+TEST(Outliers, WhereTooManySeemStrayNoneIsLeftOut) {
+  std::vector<Vec3> points = sample_shape(ShapeKind::sphere, 4000, 15);
+  Random random(16);
+  for (int i = 0; i < 1500; ++i) points.push_back(6.0 * random.in_cube());
+  const Cleaned result = cleaned(points);
+  EXPECT_TRUE(result.report.input_index.empty());
+  EXPECT_GT(result.report.suspected, 1000);
+  EXPECT_EQ(result.cloud.position.size(), points.size());
+}
+
+TEST(Outliers, ASheetIsNotLeftWithoutWhatMakesItASolid) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < 40; ++i)
+    for (int j = 0; j < 40; ++j) points.push_back({0.1 * i, 0.1 * j, 0.0});
+  points.push_back({2.0, 2.0, 3.0});
+  const Cleaned result = cleaned(points);
+  EXPECT_TRUE(result.report.input_index.empty());
+  EXPECT_EQ(result.report.suspected, 1);
+  EXPECT_EQ(result.cloud.position.size(), points.size());
+}
+
+TEST(Outliers, FewPointsAreAllKept) {
+  EXPECT_EQ(found_in({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {50, 50, 50}}), 0u);
+}
+
+TEST(Outliers, ReconstructionPassesThroughTheOthers) {
+  std::vector<Vec3> points = sample_shape(ShapeKind::torus, 6000, 17);
+  Random random(18);
+  add_stray_points(points, 30, random);
+  for (Vec3& p : points) p = rounded_to_single(p);
+  Progress silent;
+  ReconstructionOptions options;
+  const Reconstruction result = reconstruct(points, options, silent);
+  const Index left_out = static_cast<Index>(result.outliers.input_index.size());
+  EXPECT_GE(left_out, 24);
+  EXPECT_EQ(result.report.samples, 6030 - left_out);
+  EXPECT_EQ(result.report.samples_matched, 6030 - left_out);
+  EXPECT_EQ(result.report.genus, 1);
+  EXPECT_EQ(result.report.components, 1);
+  for (const Index i : result.outliers.input_index)
+    EXPECT_EQ(std::count(result.mesh.input_index.begin(), result.mesh.input_index.end(), i), 0);
+
+  options.outliers.exclude = false;
+  const Reconstruction with_all = reconstruct(points, options, silent);
+  EXPECT_TRUE(with_all.outliers.input_index.empty());
+  EXPECT_EQ(with_all.report.samples_matched, 6030);
+}
+
+TEST(Outliers, CanBeCancelled) {
+  const std::vector<Vec3> points = sample_shape(ShapeKind::sphere, 20000, 19);
+  Progress silent;
+  PointCloud cloud = prepare_samples(points, {}, silent);
+  Progress progress([](double, const char*) { return false; }, {Stage::outliers});
+  EXPECT_THROW(exclude_outliers(cloud, points, {}, {}, progress), Cancelled);
+}
+
+}  // namespace
