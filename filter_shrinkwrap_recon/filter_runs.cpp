@@ -107,6 +107,17 @@ void warn_of(const OrientationReport& report, std::vector<std::string>& warnings
         " of the cloud cannot be seen from outside: which side of them is outside is a guess.");
 }
 
+// Offers what suits noisy samples better.
+void tell_of_noise(double noise, const ReconstructionOptions& options, FilterOutcome& outcome) {
+  outcome.figures["noise"] = noise;
+  outcome.log.push_back("noise of the samples: about " + formatted("%.2f", noise) + " spacings");
+  if (noise > options.noise.high && !options.stop_at_parametric_surface)
+    outcome.warnings.push_back(
+        "The samples are noisy, by about " + formatted("%.2f", noise) +
+        " of their spacing: a mesh through every one of them is rough. Stop at the parametric "
+        "surface (StopAtParametricSurface) for a smooth one near them.");
+}
+
 void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings) {
   if (report.samples_with_solid_behind < 0.999)
     warnings.push_back(formatted("%.2f", 100.0 * (1.0 - report.samples_with_solid_behind)) +
@@ -214,6 +225,7 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   FilterOutcome outcome;
   outcome.figures = figures_of(result.report);
   outcome.log.push_back(conditioning_line(result.conditioning, result.spacing));
+  tell_of_noise(result.noise, request.options, outcome);
   double total = 0.0;
   for (const StageRecord& stage : result.stages) {
     outcome.log.push_back(table_row(stage.name, stage.vertices, stage.seconds));
@@ -253,6 +265,7 @@ FilterOutcome run_initial_mesh(const FilterRequest& request, const FilterInput& 
                                Progress& progress) {
   FilterOutcome outcome;
   const PointCloud cloud = prepare_oriented(input, request.options, progress, outcome);
+  tell_of_noise(estimate_noise(cloud, request.options.noise, progress), request.options, outcome);
   const InitialMesh initial =
       make_initial_mesh(cloud, cloud.search, request.options.initial_mesh, progress);
   warn_of(initial.report, outcome.warnings);

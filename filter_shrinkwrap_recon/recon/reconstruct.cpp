@@ -101,6 +101,7 @@ Reconstruction run(const std::vector<Vec3>& points, const ReconstructionOptions&
   result.spacing = cloud.frame.to_input_length(cloud.spacing);
 
   result.orientation = orient_normals(cloud, options.orientation, progress);
+  result.noise = estimate_noise(cloud, options.noise, progress);
   log.add(Stage::orientation, cloud.size());
 
   SurfaceMesh mesh;

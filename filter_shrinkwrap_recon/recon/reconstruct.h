@@ -10,6 +10,7 @@
 #include "initial_mesh.h"
 #include "intersection_repair.h"
 #include "mesh_report.h"
+#include "noise.h"
 #include "openings.h"
 #include "orientation.h"
 #include "outliers.h"
@@ -23,6 +24,7 @@ struct ReconstructionOptions {
   SampleOptions samples;
   OutlierOptions outliers;
   OrientationOptions orientation;
+  NoiseOptions noise;
   InitialMeshOptions initial_mesh;
   ControlMeshOptions control_mesh;
   ParametricSurfaceOptions parametric_surface;
@@ -62,6 +64,7 @@ struct Reconstruction {
   ConditioningReport conditioning;
   OutlierReport outliers;  ///< the samples that the promise leaves out
   OrientationReport orientation;
+  double noise = 0.0;  ///< of the samples, x spacing
   InitialMeshReport initial_mesh;
   ParametricSurfaceReport parametric_surface;
   CompleteMatchingReport complete_matching;

@@ -1,0 +1,79 @@
+#include "noise.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "parallel.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr Index kGrain = 32;
+constexpr Index kSamplesPerProbe = 16;  // of small clouds
+constexpr int kCoefficients = 6;        // of a quadratic height field
+constexpr int kLeastNeighbours = kCoefficients + 3;
+constexpr double kUnknown = -1.0;
+
+using Coefficients = Eigen::Matrix<double, kCoefficients, 1>;
+using NormalEquations = Eigen::Matrix<double, kCoefficients, kCoefficients>;
+
+// Deviation around one sample, x its spacing.
+double deviation_at(const PointCloud& cloud, Index sample) {
+  const Index* list = cloud.neighbours_of(sample);
+  const double scale = 1.0 / cloud.local_spacing[sample];
+  // Across a thin wall lie samples of another surface.
+  std::vector<Vec3> offset;
+  offset.reserve(static_cast<std::size_t>(cloud.neighbour_count));
+  Vec3 mean = Vec3::Zero();
+  for (int e = 0; e < cloud.neighbour_count; ++e) {
+    if (!(cloud.normal[list[e]].dot(cloud.normal[sample]) > 0.0f)) continue;
+    offset.push_back(scale * (cloud.position[list[e]] - cloud.position[sample]));
+    mean += offset.back();
+  }
+  const int count = static_cast<int>(offset.size());
+  if (count < kLeastNeighbours) return kUnknown;
+  mean /= count;
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (Vec3& d : offset) {
+    d -= mean;
+    scatter += d * d.transpose();
+  }
+  const Eigen::Matrix3d axes =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors();
+
+  NormalEquations squares = NormalEquations::Zero();
+  Coefficients moments = Coefficients::Zero();
+  double heights = 0.0;
+  for (const Vec3& d : offset) {
+    const Vec3 local = axes.transpose() * d;  // least extent first
+    const double z = local[0], v = local[1], u = local[2];
+    Coefficients term;
+    term << 1.0, u, v, u * u, u * v, v * v;
+    squares += term * term.transpose();
+    moments += z * term;
+    heights += z * z;
+  }
+  const double residual = heights - squares.ldlt().solve(moments).dot(moments);
+  if (!std::isfinite(residual)) return kUnknown;
+  return std::sqrt(std::max(residual, 0.0) / (count - kCoefficients));
+}
+
+}  // namespace
+
+double estimate_noise(const PointCloud& cloud, const NoiseOptions& options, Progress& progress) {
+  const Index probes =
+      std::clamp<Index>(cloud.size() / kSamplesPerProbe, 1, std::max<Index>(options.probes, 1));
+  const Index stride = std::max<Index>(cloud.size() / probes, 1);
+  std::vector<double> deviation(static_cast<std::size_t>(cloud.size() / stride), kUnknown);
+  parallel_for_each(static_cast<Index>(deviation.size()), kGrain, progress,
+                    [&](Index n) { deviation[n] = deviation_at(cloud, n * stride); });
+  deviation.erase(std::remove(deviation.begin(), deviation.end(), kUnknown), deviation.end());
+  if (deviation.empty()) return 0.0;
+  const auto middle = deviation.begin() + static_cast<std::ptrdiff_t>(deviation.size() / 2);
+  std::nth_element(deviation.begin(), middle, deviation.end());
+  return *middle;
+}
+
+}  // namespace shrinkwrap
