@@ -27,6 +27,7 @@ SIZES = [10_000, 34_000, 100_000, 300_000, 1_000_000]
 FULL_SIZES = [*SIZES, 3_000_000, 10_000_000]
 QUICK_SIZES = [1_000, 3_000]
 CLOUDS = ["blob", "torus", "golf_club_head_12321"]
+LARGEST_IN_MESHLAB = 1_000_000
 CANCEL_FRACTIONS = [0.02, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.97]
 
 
@@ -90,7 +91,7 @@ class MeshLab:
         staged = build / "stage" / "bin" / "meshlabserver"
         self.server = staged if staged.exists() else pathlib.Path("/usr/bin/meshlabserver")
         self.time_limit = time_limit
-        self.slow = set()  # (script, cloud) that hit the limit: larger clouds are not tried
+        self.slow = set()  # (script, cloud) that hit the limit, or that would: larger clouds are not tried
 
     def available(self):
         return self.server.exists()
@@ -129,6 +130,8 @@ class MeshLab:
                 self.slow.add((name, cloud_name))
                 return None
             runs.append((max(run[0] - nothing[0], 1e-3), run[1] - nothing[1]))
+        if 2.0 * max(run[0] for run in runs) > self.time_limit:
+            self.slow.add((name, cloud_name))
         return {"program": name, "seconds": min(run[0] for run in runs), "peak_bytes": max(0, min(run[1] for run in runs))}
 
 
@@ -147,20 +150,31 @@ def repeats_for(samples, options):
     return 1 if samples >= 3_000_000 else 3 if samples >= 300_000 else 5
 
 
-def measure_pairs(programs, cloud, samples, options):
-    """Ours for each number of threads and the advancing front, in turn: the runs, and the ratios of neighbours."""
+def would_take_too_long(row, samples, options):
+    """Whether the advancing front, which took what `row` says, is sure to pass the time limit with more samples."""
+    if row is None or not row["advancing_front"]:
+        return False
+    if any("error" in front for front in row["advancing_front"]):
+        return True
+    fastest = min(front["seconds"] for front in row["advancing_front"])
+    return fastest * samples / row["samples"] > options.time_limit
+
+
+def measure_pairs(programs, cloud, samples, options, smaller):
+    """Ours for each number of threads, with the advancing front between them: the runs, and the ratios of neighbours."""
     ours = {threads: [] for threads in options.threads}
     fronts, ratios = [], {threads: [] for threads in options.threads}
     front_program = programs / "advancing_front"
+    with_front = front_program.exists() and not would_take_too_long(smaller, samples, options)
     for _ in range(repeats_for(samples, options)):
-        for threads in options.threads:
+        front = {"error": "not run"}
+        for place, threads in enumerate(options.threads):
             run = run_program([programs / "stage_benchmark", "--cloud", cloud, "--threads", threads, "--progress"],
                               options.time_limit)
             ours[threads].append(run)
-            if not front_program.exists():
-                continue
-            front = run_program([front_program, "--cloud", cloud], options.time_limit)
-            fronts.append(front)
+            if with_front and place == 0:
+                front = run_program([front_program, "--cloud", cloud], options.time_limit)
+                fronts.append(front)
             if "error" not in run and "error" not in front:
                 ratios[threads].append(run["seconds"] / front["seconds"])
     return ours, fronts, ratios
@@ -204,20 +218,21 @@ def main():
                "threads": options.threads, "rows": []}
     with tempfile.TemporaryDirectory() as scratch:
         for cloud_name in options.clouds:
+            row = None
             for samples in options.sizes or (FULL_SIZES if options.full else SIZES):
                 print(f"{cloud_name}, {samples:,} samples", file=sys.stderr, flush=True)
                 cloud = clouds.file(cloud_name, samples)
-                ours, fronts, ratios = measure_pairs(programs, cloud, samples, options)
+                ours, fronts, ratios = measure_pairs(programs, cloud, samples, options, row)
                 row = {"cloud": cloud_name, "samples": samples, "ours": ours, "advancing_front": fronts,
                        "ratios": ratios, "meshlab": {}, "cancel": {}}
-                if with_meshlab:
+                if with_meshlab and samples <= LARGEST_IN_MESHLAB:
                     repeats = min(3, repeats_for(samples, options))
                     scripts = {"Shrink Wrap": ROOT / "sample_clouds" / "reconstruct.mlx",
                                "Ball Pivoting": HERE / "scripts" / "ball_pivoting.mlx",
                                "Screened Poisson": poisson_script(samples, pathlib.Path(scratch))}
                     for name, script in scripts.items():
                         row["meshlab"][name] = meshlab.measure(name, script, cloud_name, cloud, repeats)
-                if not options.no_cancel and (samples >= 300_000 or options.quick):
+                if not options.no_cancel and (300_000 <= samples <= 1_000_000 or options.quick):
                     row["cancel"] = measure_cancel(programs, cloud, options)
                 results["rows"].append(row)
                 results["load"].append(os.getloadavg()[0])
