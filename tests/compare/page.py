@@ -9,7 +9,7 @@ INTRODUCTION = (
     "measured by MeshLab's filters (Topological and Geometric Measures, Hausdorff Distance, Select Self Intersecting "
     "Faces) and by Shrink Wrap: Matching Report.")
 LEGEND = (
-    "*Samples kept*: exactly one vertex, at the input's bits. *Holes*: border loops. *Intersecting*: self-intersecting "
+    "*Samples kept*: exactly one vertex, at the input's bits (*outliers*: left out, see ExcludeOutliers). *Holes*: border loops. *Intersecting*: self-intersecting "
     "faces, exact, and what MeshLab's filter finds of them (it takes no pairs that share a vertex). *Samples to "
     "mesh*, *mesh to truth*, *truth to mesh*: Hausdorff distances, mean and greatest, in % of the diagonal of the bounding box. "
     "*Seconds*: on the clock, less a run that does nothing, and (in brackets) of processor time.")
@@ -23,8 +23,11 @@ def percent(distance):
 
 def share(row):
     kept, samples = row["samples_kept"], row["samples"]
+    more = f", and {row['extra_vertices']:,} vertices more" if kept and row["extra_vertices"] else ""
+    if kept == samples and row["samples_to_mesh"]["greatest"] > 0.0:
+        return f"all but {max(row.get('points', kept) - kept, 1):,} outliers" + more
     if kept == samples:
-        return "all" if row["extra_vertices"] == 0 else f"all, and {row['extra_vertices']:,} vertices more"
+        return "all" + more
     return "none" if kept == 0 else f"{100.0 * kept / samples:.1f} %"
 
 

@@ -185,7 +185,7 @@ def compare(options, case):
         for name, script_file in methods_of(points, folder):
             if options.method and name not in options.method:
                 continue
-            rows.append(comparison.compare(name, script_file, nothing, meshes / f"{plain(name)}.ply"))
+            rows.append({"points": points, **comparison.compare(name, script_file, nothing, meshes / f"{plain(name)}.ply")})
             print(f"  {name}: {page.verdict(rows[-1])}", file=sys.stderr, flush=True)
         shutil.copyfile(folder / "nothing.ply", meshes / "points.ply")
     return {"points": points, "rows": rows, "cloud_copy": meshes / "points.ply"}
