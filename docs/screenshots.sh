@@ -115,7 +115,7 @@ take_without_points() {
   click $((edge + 21)) 133
   click $((edge + 150)) 164
 }
-window_named() { xdotool search --onlyvisible --name "$1"; }
+window_named() { xdotool search --onlyvisible --name "$1" 2>/dev/null; } # a window may go while it is looked at
 verdicts() { grep -c '^LOG: [0-9]* Shrink Wrap [sf]' "$log" || :; }
 # shellcheck disable=SC2317  # for wait_for
 has_verdicts() { [ "$(verdicts)" -ge "$1" ]; }
