@@ -20,7 +20,7 @@ trap 'exit 130' HUP INT TERM
 
 # shellcheck disable=SC2086  # a list of words
 require_packages $host_packages dpkg-dev
-configure "$build" -DSHRINKWRAP_BUILD_PLUGIN=ON
+configure "$build" -DSHRINKWRAP_BUILD_PLUGIN=ON -U CMAKE_INSTALL_PREFIX # the default, whatever the folder was configured with
 compile "$build"
 
 plugin_path=lib/$(dpkg-architecture -qDEB_HOST_MULTIARCH)/meshlab/plugins/libfilter_shrinkwrap_recon.so
