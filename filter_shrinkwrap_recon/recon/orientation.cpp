@@ -6,12 +6,14 @@
 #include "parallel.h"
 #include "spanning_forest.h"
 #include "visibility.h"
+#include "winding_number.h"
 
 namespace shrinkwrap {
 namespace {
 
 constexpr Index kGrain = 1 << 12;
-constexpr int kMostLayers = 8;              // of components within components
+constexpr int kMostLayers = 64;             // of components within or behind components
+constexpr Index kProbes = 32;               // samples of a component that tell what it lies in
 constexpr Index kDrawnPerComponent = 32;    // at least, of each that has as many
 constexpr double kDepthTolerance = 0.7;     // x spacing of the samples drawn
 constexpr double kLeastSheetNormal = 0.25;  // length of the mean normal of an open sheet, at least
@@ -34,21 +36,24 @@ class ComponentSigns {
     std::size_t left = components;
     for (int layer = 0; left > 0 && layer < kMostLayers; ++layer) {
       const std::vector<VisibilityVote> votes = clear_votes();
-      std::size_t decided = 0;
+      const std::vector<char> enclosed = layer > 0 ? within_decided(flip) : std::vector<char>();
+      std::vector<std::size_t> seen;
       for (std::size_t c = 0; c < components; ++c) {
         if (!waiting_[c] || is_hidden(votes[c])) continue;
-        // What is enclosed by one layer is seen from within the body, by two from outside again.
-        double outward = layer % 2 == 0 ? votes[c].outward : -votes[c].outward;
+        // The wall of a cavity is seen from within the body.
+        const bool is_cavity = layer > 0 && enclosed[c];
+        double outward = is_cavity ? -votes[c].outward : votes[c].outward;
         if (is_close(votes[c])) {
-          const double upward = upward_of_sheet(static_cast<Index>(c));
+          const double upward = upward_of_sheet(c);
           if (upward != 0.0) outward = upward;
         }
         flip[c] = outward < 0.0;
-        waiting_[c] = 0;
-        ++decided;
+        seen.push_back(c);
         report.enclosed_components += layer > 0;
         report.undecided_components += is_close(votes[c]);
       }
+      for (const std::size_t c : seen) waiting_[c] = 0;
+      const std::size_t decided = seen.size();
       if (decided == 0) break;
       left -= decided;
     }
@@ -67,19 +72,39 @@ class ComponentSigns {
 
   // What is seen from either side alike may be an open sheet, such as a terrain: then the side
   // towards +z (or +y, +x where it stands upright). 0 for what closes on itself.
-  double upward_of_sheet(Index component) const {
-    const Vec3 sum = parallel_sum<Vec3>(cloud_.size(), kGrain, progress_, Vec3(Vec3::Zero()),
-                                        [&](Index begin, Index end) {
-                                          Vec3 part = Vec3::Zero();
-                                          for (Index i = begin; i < end; ++i)
-                                            if (forest_.component_of_sample[i] == component)
-                                              part += cloud_.normal[i].cast<double>();
-                                          return part;
-                                        });
+  double upward_of_sheet(std::size_t component) {
+    if (normal_sum_.empty()) {
+      normal_sum_.assign(size_.size(), Vec3(Vec3::Zero()));
+      for (Index i = 0; i < cloud_.size(); ++i)
+        normal_sum_[forest_.component_of_sample[i]] += cloud_.normal[i].cast<double>();
+    }
+    const Vec3& sum = normal_sum_[component];
     if (sum.norm() < kLeastSheetNormal * size_[component]) return 0.0;
     for (const int axis : {2, 1, 0})
       if (std::abs(sum[axis]) > 0.1 * sum.norm()) return sum[axis];
     return 0.0;
+  }
+
+  // For each component that is waiting, whether it lies within the body that those decided bound.
+  std::vector<char> within_decided(const std::vector<char>& flip) const {
+    std::vector<signed char> sign(cloud_.position.size());
+    std::vector<Index> probed(size_.size(), 0), passed(size_.size(), 0);
+    std::vector<double> sum(size_.size(), 0.0);
+    for (Index i = 0; i < cloud_.size(); ++i) {
+      const Index component = forest_.component_of_sample[i];
+      sign[i] = static_cast<signed char>(waiting_[component] ? 0 : flip[component] ? -1 : 1);
+    }
+    const WindingNumber winding(cloud_, sign, progress_);
+    for (Index i = 0; i < cloud_.size(); ++i) {
+      const Index component = forest_.component_of_sample[i];
+      if (!waiting_[component]) continue;
+      if (passed[component]++ % (size_[component] / kProbes + 1) != 0) continue;
+      sum[component] += winding.at(cloud_.position[i]);
+      ++probed[component];
+    }
+    std::vector<char> enclosed(size_.size(), 0);
+    for (std::size_t c = 0; c < size_.size(); ++c) enclosed[c] = sum[c] > 0.5 * probed[c];
+    return enclosed;
   }
 
   // Votes on the components that are waiting. Coarse drawings see through thin parts, so that votes
@@ -124,8 +149,9 @@ class ComponentSigns {
   const SpanningForest& forest_;
   const OrientationOptions& options_;
   Progress& progress_;
-  std::vector<Index> size_;    // samples of each component
-  std::vector<char> waiting_;  // components without a sign yet
+  std::vector<Index> size_;       // samples of each component
+  std::vector<char> waiting_;     // components without a sign yet
+  std::vector<Vec3> normal_sum_;  // of each component, once asked for
 };
 
 // exp(-x) for x in [0, 2.5], within 0.2 %: four terms at a quarter of x.

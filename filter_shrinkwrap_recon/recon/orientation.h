@@ -27,11 +27,12 @@ struct OrientationReport {
 /// Gives the normals of the cloud a consistent outward sign (Hoppe et al. 1992: propagation over
 /// the spanning tree that prefers parallel normals; weights |n.n'| (1 - max |d.n|)), then one sign
 /// per connected component of the graph from visibility: the side that more orthographic views see
-/// is outside. Components that nobody sees are drawn again without those that were seen: one layer
-/// in they bound a cavity of the body, two layers in a body within the cavity, and so on. Then
-/// computes the tangent planes. Undecided components keep the sign of the majority, however small,
-/// unless they are open sheets: these face +z (or +y, +x if they stand upright), as terrains do.
-/// O(N) expected time but for the union-find, O(N) memory, the same for any number of threads.
+/// is outside. Components that nobody sees are drawn again without those that were seen: where the
+/// winding number of these says that they lie within the body they bound a cavity, else a body of
+/// their own, in a cavity or behind others. Then computes the tangent planes. Undecided components
+/// keep the sign of the majority, however small, unless they are open sheets: these face +z (or +y,
+/// +x if they stand upright), as terrains do. O(N) expected time but for the union-find, O(N)
+/// memory, the same for any number of threads.
 OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& options,
                                  Progress& progress);
 

@@ -193,13 +193,18 @@ class WindingNumber::Builder {
 };
 
 WindingNumber::WindingNumber(const PointCloud& cloud, Progress& progress)
+    : WindingNumber(cloud, std::vector<signed char>(cloud.position.size(), 1), progress) {}
+
+WindingNumber::WindingNumber(const PointCloud& cloud, const std::vector<signed char>& sign,
+                             Progress& progress)
     : dipole_(cloud.position.size()),
       softening_(static_cast<float>(kSoftening * kSoftening * cloud.spacing * cloud.spacing)) {
   if (cloud.size() == 0) return;
   parallel_for_each(cloud.size(), kSubtreeSamples, progress, [&](Index i) {
     const float side =
         std::min(cloud.local_spacing[i], static_cast<float>(kGreatestSpacing * cloud.spacing));
-    dipole_[i] = {cloud.position[i].cast<float>(), side * side * cloud.normal[i]};
+    dipole_[i] = {cloud.position[i].cast<float>(),
+                  side * side * static_cast<float>(sign[i]) * cloud.normal[i]};
   });
   const std::vector<std::uint64_t> keys =
       morton_keys(cloud.position, bounding_box(cloud.position), progress);

@@ -17,7 +17,10 @@ class WindingNumber {
   /// Pre: oriented normals; samples in Morton order. O(N log N).
   explicit WindingNumber(const PointCloud& cloud);             ///< silent
   WindingNumber(const PointCloud& cloud, Progress& progress);  ///< throws Cancelled
-  double at(const Vec3& query) const;                          ///< O(log N)
+  /// Of a part of the samples: `sign` is -1 where the normal is to be reversed, 0 where the sample
+  /// is left out.
+  WindingNumber(const PointCloud& cloud, const std::vector<signed char>& sign, Progress& progress);
+  double at(const Vec3& query) const;  ///< O(log N)
 
  private:
   // A range of samples, in one line of the cache.
