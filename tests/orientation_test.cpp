@@ -103,6 +103,26 @@ TEST(Orientation, WallsOfCavitiesFaceTheCavity) {
   }
 }
 
+// From outside nobody sees those in the middle, which are no cavities.
+TEST(Orientation, BodiesBehindOthersFaceOutwards) {
+  std::vector<Vec3> points, centres;
+  for (int x = 0; x < 5; ++x)
+    for (int y = 0; y < 5; ++y)
+      for (int z = 0; z < 4; ++z) centres.emplace_back(0.2 * x, 0.2 * y, 0.2 * z);
+  for (std::size_t k = 0; k < centres.size(); ++k)
+    append(points, sphere(200, 0.06, centres[k], static_cast<unsigned>(k)));
+  PointCloud cloud = prepare(points);
+  const OrientationReport report = orient(cloud);
+  EXPECT_EQ(report.components, 100);
+  Index wrong = 0;
+  for (Index i = 0; i < cloud.size(); ++i) {
+    const Vec3 p = cloud.frame.to_input(cloud.position[i]);
+    const Vec3 centre = 0.2 * (p / 0.2).array().round().matrix();
+    wrong += cloud.normal[i].cast<double>().dot(p - centre) <= 0.0;
+  }
+  EXPECT_EQ(wrong, 0);
+}
+
 TEST(Orientation, SmallComponentsBesideALargeOneAreSeen) {
   std::vector<Vec3> points = sphere(30000, 1.0, Vec3::Zero(), 5);
   for (unsigned k = 0; k < 12; ++k)

@@ -51,7 +51,7 @@ struct CaseCloud {
 };
 /// A case is resolved if its samples lie within a tenth of a spacing of the surface (rounding
 /// included), have no outliers, are at least 200, and if the thinnest wall, gap or hole measures at
-/// least 4 spacings (5 unless they are spread evenly), where they are farthest apart.
+/// least 3 spacings (4 unless they are spread evenly), where they are farthest apart.
 CaseCloud cloud_of(const Case& generated);
 
 benchmarking::JsonLine describe(const Case& generated);

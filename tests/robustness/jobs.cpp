@@ -13,6 +13,7 @@ namespace shrinkwrap::robustness {
 namespace {
 
 constexpr std::uint64_t kCompareThreadsEvery = 20;
+constexpr double kMostSeconds = 300.0;  // of the clock, on a machine that others may use too
 
 struct GalleryVariant {
   const char* name;
@@ -96,6 +97,7 @@ Job make_job(const std::string& kind, std::uint64_t number, int threads, bool wi
   else
     throw std::invalid_argument("there are no jobs called '" + kind + "'");
   job.name = kind + ":" + std::to_string(number);
+  job.limits.seconds = kMostSeconds;
   return job;
 }
 

@@ -170,7 +170,7 @@ Solid solid_of(SolidKind kind, double drawn) {
                                 }),
                            0, 3);
     case SolidKind::crowd:
-      return balls("crowd", 5, 4, 0.06);
+      return balls("crowd", 4, 3, 0.06);
     case SolidKind::few_balls:
       break;
   }

@@ -41,7 +41,7 @@ enum class SolidKind {
   disc,        ///< very flat: a rounded disc of a drawn thickness
   shell,       ///< a ball with a ball-shaped hollow: an inner and an outer surface
   nested,      ///< a ball in the hollow of another
-  crowd,       ///< a hundred balls
+  crowd,       ///< 48 balls, of which those in the middle are hidden
   few_balls,   ///< eight
 };
 constexpr int kSolidCount = 18;
