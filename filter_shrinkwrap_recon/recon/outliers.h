@@ -30,7 +30,7 @@ struct OutlierOptions {
   double support = 0.6;  ///< part of the neighbours of which that is true, at least
 
   // A sample that is held is stray if it juts out of a patch that is flat without it.
-  double height = 1.0;             ///< over the plane of its neighbours, x their spacing, at least
+  double height = 2.5;             ///< over the plane of its neighbours, x their spacing, at least
   double height_deviations = 7.0;  ///< x their own deviation from that plane, at least
 
   /// If more than this part of the samples seems stray, none is left out: what is so frequent is
