@@ -42,7 +42,7 @@ def arguments():
     parser.add_argument("--sizes", type=int, nargs="+", help="numbers of samples")
     parser.add_argument("--clouds", nargs="+", default=CLOUDS, help="shapes, or names of sample clouds to resample")
     parser.add_argument("--threads", type=int, nargs="+", default=[1, 2])
-    parser.add_argument("--pairs", type=int, help="runs of each program; default: 5, from 300,000 samples 3, from 3,000,000 1")
+    parser.add_argument("--pairs", type=int, help="runs of each program, at most; usually 5, from 300,000 samples 3, from 3,000,000 1")
     parser.add_argument("--time-limit", type=float, default=900.0, help="seconds for one run")
     parser.add_argument("--no-meshlab", action="store_true", help="leave out what runs in MeshLab")
     parser.add_argument("--no-cancel", action="store_true", help="leave out how soon a run ends when it is cancelled")
@@ -145,9 +145,8 @@ def poisson_script(samples, folder):
 
 
 def repeats_for(samples, options):
-    if options.pairs:
-        return options.pairs
-    return 1 if samples >= 3_000_000 else 3 if samples >= 300_000 else 5
+    usual = 1 if samples >= 3_000_000 else 3 if samples >= 300_000 else 5
+    return min(usual, options.pairs) if options.pairs else usual
 
 
 def would_take_too_long(row, samples, options):
