@@ -108,7 +108,10 @@ class MeshLab:
         while time.monotonic() < end:
             if self.processes[-1].poll() is not None:
                 raise Failure(f"MeshLab ended before {what}")
-            result = condition()
+            try:
+                result = condition()
+            except GLib.Error:  # a widget that was there a moment ago
+                result = None
             if result:
                 return result
             time.sleep(0.3)
