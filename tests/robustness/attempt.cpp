@@ -74,6 +74,9 @@ std::vector<Verdict> verdicts_on(const Judgement& judgement, const Reconstructio
   if_so(judgement.manifold && judgement.closed() && !judgement.outward, Verdict::not_outward);
   if_so(!agrees(judgement, result.report), Verdict::dishonest_report);
   if_so(judgement.moved > 0, Verdict::moved_sample);
+  const std::size_t left_out = result.outliers.input_index.size();
+  if_so(expectation.resolved && !expectation.has_outliers && left_out > 0,
+        Verdict::sample_left_out);
 
   const bool resolved = expectation.resolved;
   if (!options.stop_at_parametric_surface) {
@@ -114,6 +117,7 @@ const char* verdict_name(Verdict verdict) {
       "failed",
       "refused",
       "extra_vertices",
+      "sample_left_out",
       "wrong_genus",
       "wrong_components",
       "self_intersecting",
@@ -157,10 +161,12 @@ Attempt attempt(const std::vector<Vec3>& points, ReconstructionOptions options,
     return made;
   }
 
-  const Judgement judgement = judge(points, outcome.result.mesh, true);
+  const std::vector<Index>& left_out = outcome.result.outliers.input_index;
+  const Judgement judgement = judge(points, left_out, outcome.result.mesh, true);
   for (const Verdict verdict : verdicts_on(judgement, outcome.result, options, expectation))
     made.verdicts.push_back(verdict);
   made.figures.add("samples", judgement.samples)
+      .add("left_out", left_out.size())
       .add("vertices", judgement.vertices)
       .add("border_edges", judgement.border_edges)
       .add("missing", judgement.missing)

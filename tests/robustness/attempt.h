@@ -29,7 +29,8 @@ enum class Verdict {
   // Not on clouds that resolve the shape:
   failed,
   refused,
-  extra_vertices,  ///< V != N: vertices that are no sample
+  extra_vertices,   ///< V != N: vertices that are no sample
+  sample_left_out,  ///< as an outlier, where there is none
   wrong_genus,
   wrong_components,
   self_intersecting,
@@ -44,7 +45,7 @@ enum class Verdict {
   degenerate_faces_unresolved,
   importer_failed,  ///< vcglib's, on a damaged file, before our part began
 };
-constexpr int kVerdictCount = 26;
+constexpr int kVerdictCount = 27;
 const char* verdict_name(Verdict verdict);
 enum class Severity { broken_promise, defect, note };
 Severity severity_of(Verdict verdict);
@@ -53,7 +54,8 @@ Severity severity_of(Verdict verdict);
 struct Expectation {
   bool invalid = false;   ///< must be refused as invalid input
   bool resolved = false;  ///< dense and clean enough: must succeed, with these figures
-  bool open = false;      ///< the object has openings: extra vertices are allowed
+  bool has_outliers = false;
+  bool open = false;  ///< the object has openings: extra vertices are allowed
   int genus = 0;
   int components = 1;
 };

@@ -17,8 +17,9 @@ constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPi = 3.14159265358979323846;
 
-const Expectation kInvalid = {true, false, false, 0, 1};
-const Expectation kSphere = {false, true, false, 0, 1};  // must succeed, genus 0, one component
+const Expectation kInvalid = {true, false, false, false, 0, 1};
+const Expectation kSphere = {false, true, false,
+                             false, 0,    1};  // must succeed, genus 0, one component
 
 template <class Generate>
 Points generated(Index count, const Generate& generate) {
@@ -295,7 +296,7 @@ class Builder {
           return Vec3(r * std::cos(u), r * std::sin(u), r);
         }));
     add("hemisphere", testing::sample_shape(ShapeKind::hemisphere, 3000, seed_),
-        {false, true, true, 0, 1});
+        {false, true, false, true, 0, 1});
   }
 
   void uneven() {

@@ -40,10 +40,23 @@ Index count_difference(const std::vector<Coordinates>& a, const std::vector<Coor
   return static_cast<Index>(difference.size());
 }
 
-void compare_with_samples(const std::vector<Vec3>& points, const ResultMesh& mesh,
-                          Judgement& judgement) {
-  std::vector<Coordinates> samples = sorted(points), vertices = sorted(mesh.position);
-  remove_repetitions(samples);
+void compare_with_samples(const std::vector<Vec3>& points, const std::vector<Index>& left_out,
+                          const ResultMesh& mesh, Judgement& judgement) {
+  std::vector<Vec3> wanted;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!std::binary_search(left_out.begin(), left_out.end(), static_cast<Index>(i)))
+      wanted.push_back(points[i]);
+  // A repetition of a point left out is left out with it.
+  std::vector<Vec3> unwanted;
+  for (const Index i : left_out) unwanted.push_back(points[static_cast<std::size_t>(i)]);
+  std::vector<Coordinates> samples, vertices = sorted(mesh.position);
+  {
+    std::vector<Coordinates> kept = sorted(wanted);
+    remove_repetitions(kept);
+    const std::vector<Coordinates> dropped = sorted(unwanted);
+    std::set_difference(kept.begin(), kept.end(), dropped.begin(), dropped.end(),
+                        std::back_inserter(samples));
+  }
   const auto not_finite = static_cast<Index>(mesh.position.size() - vertices.size());
   judgement.samples = static_cast<Index>(samples.size());
   judgement.vertices = static_cast<Index>(mesh.position.size());
@@ -104,9 +117,10 @@ double signed_volume(const ResultMesh& mesh) {
 
 }  // namespace
 
-Judgement judge(const std::vector<Vec3>& points, const ResultMesh& mesh, bool count_intersections) {
+Judgement judge(const std::vector<Vec3>& points, const std::vector<Index>& left_out,
+                const ResultMesh& mesh, bool count_intersections) {
   Judgement judgement;
-  compare_with_samples(points, mesh, judgement);
+  compare_with_samples(points, left_out, mesh, judgement);
   const testing::Topology topology = testing::topology_of(judgement.vertices, mesh.triangles);
   judgement.unused = count_unused(mesh);
   judgement.border_edges = count_border_edges(mesh.triangles);

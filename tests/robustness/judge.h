@@ -9,7 +9,7 @@
 namespace shrinkwrap::robustness {
 
 struct Judgement {
-  Index samples = 0;       ///< distinct finite points
+  Index samples = 0;       ///< distinct finite points that were not left out
   Index vertices = 0;      ///< of the mesh, used or not
   Index unused = 0;        ///< vertices without a face
   Index border_edges = 0;  ///< of one face
@@ -28,7 +28,9 @@ struct Judgement {
   bool closed() const { return border_edges == 0; }
 };
 
-Judgement judge(const std::vector<Vec3>& points, const ResultMesh& mesh, bool count_intersections);
+/// `left_out` are points that the reconstruction says it left out, ascending.
+Judgement judge(const std::vector<Vec3>& points, const std::vector<Index>& left_out,
+                const ResultMesh& mesh, bool count_intersections);
 
 struct IntersectingFaces {
   Index intersecting = 0, degenerate = 0;
