@@ -10,6 +10,11 @@ struct NoiseOptions {
   /// Above this the surface through the samples is rough (x local spacing): measured 0.24 and more
   /// on clouds with noise of 0.25 and more, 0.16 and less on clean ones.
   double high = 0.2;
+  /// If the parametric surface is the result, it is made smoother from `smooth_from` on, by one
+  /// unit for every further `smooth_unit`, at most `most_units` (see `smoothed_for_noise`).
+  double smooth_from = 0.25;
+  double smooth_unit = 0.25;
+  double most_units = 1.5;
 };
 
 /// The deviation of the samples from the surface that they lie on, in local spacings: what the

@@ -17,7 +17,6 @@ constexpr Index kProbes = 32;               // samples of a component that tell 
 constexpr Index kDrawnPerComponent = 32;    // at least, of each that has as many
 constexpr double kDepthTolerance = 0.7;     // x spacing of the samples drawn
 constexpr double kLeastSheetNormal = 0.25;  // length of the mean normal of an open sheet, at least
-constexpr int kPlaneNeighbours = 14;        // of the Gaussian mean, the sample included
 
 // Chooses a sign for every component, layer by layer from outside.
 class ComponentSigns {
@@ -162,11 +161,11 @@ inline float falling_exponential(float x) {
   return 1.0f / (squared * squared);
 }
 
-TangentPlane tangent_plane(const PointCloud& cloud, Index sample) {
+TangentPlane tangent_plane(const PointCloud& cloud, int neighbours, Index sample) {
   const Vec3& origin = cloud.position[sample];
   const Vec3f& normal = cloud.normal[sample];
   const Index* list = cloud.neighbours_of(sample);
-  const int count = std::min(kPlaneNeighbours, cloud.neighbour_count);
+  const int count = std::min(neighbours, cloud.neighbour_count);
   const float reach = (cloud.position[list[count - 1]] - origin).cast<float>().squaredNorm();
   const float decay = reach > 0.0f ? 2.5f / reach : 0.0f;
   Vec3f offset = Vec3f::Zero(), mean_normal = normal;  // the sample itself, of weight 1
@@ -204,8 +203,9 @@ OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& op
 
   progress.set_range(0.85, 1.0);
   cloud.plane.resize(cloud.position.size());
-  parallel_for_each(cloud.size(), kGrain, progress,
-                    [&](Index i) { cloud.plane[i] = tangent_plane(cloud, i); });
+  parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
+    cloud.plane[i] = tangent_plane(cloud, options.plane_neighbours, i);
+  });
   return report;
 }
 

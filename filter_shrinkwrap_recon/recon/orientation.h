@@ -8,8 +8,9 @@ namespace shrinkwrap {
 
 struct OrientationOptions {
   int propagation_neighbours = 10;  ///< edges per sample of the graph that carries orientation
-  int view_directions = 96;         ///< orthographic depth buffers that vote
-  double pixel_size = 1.5;          ///< of a depth buffer, x spacing of the samples that are drawn
+  int plane_neighbours = 14;  ///< of the Gaussian mean that makes a tangent plane, itself included
+  int view_directions = 96;   ///< orthographic depth buffers that vote
+  double pixel_size = 1.5;    ///< of a depth buffer, x spacing of the samples that are drawn
   double min_cosine =
       0.5;  ///< a view votes on a sample only if |normal . direction| is at least this
   Index drawn_samples = 16000;  ///< of larger clouds a part is drawn, more if the votes are close

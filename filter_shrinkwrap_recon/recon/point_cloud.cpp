@@ -230,8 +230,13 @@ PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions&
   progress.set_range(0.3, 0.35);
   cloud.search = VoxelSearch(cloud.position, progress);
   progress.set_range(0.35, 1.0);
+  measure_neighbourhoods(cloud, options.neighbours, progress);
+  return cloud;
+}
+
+void measure_neighbourhoods(PointCloud& cloud, int neighbours, Progress& progress) {
   Neighbourhoods neighbourhoods =
-      find_neighbourhoods(cloud.position, cloud.search, options.neighbours, progress);
+      find_neighbourhoods(cloud.position, cloud.search, neighbours, progress);
   cloud.neighbour_count = neighbourhoods.k;
   cloud.neighbour = std::move(neighbourhoods.neighbour);
   cloud.normal = std::move(neighbourhoods.normal);
@@ -248,7 +253,6 @@ PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions&
   // Points that rounding brought together have no spacing of their own: stages divide by it.
   const float floor = static_cast<float>(1e-3 * cloud.spacing);
   for (float& spacing : cloud.local_spacing) spacing = std::max(spacing, floor);
-  return cloud;
 }
 
 std::vector<Vec3> points_of(const PointCloud& cloud, const std::vector<Vec3>& points) {

@@ -44,7 +44,7 @@ class PointCloud {
   std::vector<float> local_spacing;  ///< s_i = sqrt(pi/(k-1)) * distance to the k-th neighbour
   double spacing = 0.0;              ///< s: median of local_spacing
   VoxelSearch search;                ///< of `position`
-  std::vector<Vec3f> normal;  ///< PCA of the k neighbours; sign arbitrary until `orient_normals`
+  std::vector<Vec3f> normal;     ///< PCA of the k neighbours; sign arbitrary until `orient_normals`
   std::vector<float> deviation;  ///< of the k neighbours from their plane, root mean square
   std::vector<TangentPlane>
       plane;  ///< after `orient_normals`: Gaussian mean of the compatible neighbours
@@ -68,6 +68,10 @@ Frame unit_frame(const std::vector<Vec3>& points);
 /// are collinear or coplanar. O(N log N) comparisons at most, O(N) memory.
 PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions& options,
                            Progress& progress);
+
+/// Computes neighbours, spacing and normals anew, with another number of neighbours. The normals
+/// are not oriented after that, and there are no planes. Pre: the cloud was prepared.
+void measure_neighbourhoods(PointCloud& cloud, int neighbours, Progress& progress);
 
 /// The samples of a cloud where the caller had them. Pre: it was prepared from `points`.
 std::vector<Vec3> points_of(const PointCloud& cloud, const std::vector<Vec3>& points);

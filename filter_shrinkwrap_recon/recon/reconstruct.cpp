@@ -2,7 +2,9 @@
 
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "bounding_box_start.h"
 #include "freed_memory.h"
@@ -84,7 +86,27 @@ void check_promise(const Reconstruction& result, const ReconstructionOptions& op
   if (report.samples_matched_twice > 0) fail("one to one");
 }
 
-Reconstruction run(const std::vector<Vec3>& points, const ReconstructionOptions& options,
+// What makes a parametric surface smoother, the more so the noisier the samples are: wider
+// neighbourhoods and voxels, and less haste. Every figure is for one unit (see NoiseOptions).
+ReconstructionOptions smoothed_for_noise(ReconstructionOptions options, double noise) {
+  constexpr double kWider = 1.0, kLargerVoxels = 0.2;
+  constexpr double kAttraction = 0.4, kRelaxation = 0.3;  // from one unit on
+  const NoiseOptions& limits = options.noise;
+  const double units = std::clamp((noise - limits.smooth_from) / limits.smooth_unit, 0.0,
+                                  std::max(limits.most_units, 0.0));
+  const double part = std::min(units, 1.0);
+  const auto towards = [&](double& value, double at_one) { value += part * (at_one - value); };
+  options.samples.neighbours =
+      static_cast<int>(std::lround(options.samples.neighbours * (1.0 + kWider * units)));
+  options.orientation.plane_neighbours =
+      std::max(options.orientation.plane_neighbours, options.samples.neighbours);
+  options.initial_mesh.voxel_size *= 1.0 + kLargerVoxels * units;
+  towards(options.parametric_surface.attraction, kAttraction);
+  towards(options.parametric_surface.relaxation, kRelaxation);
+  return options;
+}
+
+Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions options,
                    Progress& progress) {
   Reconstruction result;
   StageLog log(result, options);
@@ -102,6 +124,12 @@ Reconstruction run(const std::vector<Vec3>& points, const ReconstructionOptions&
 
   result.orientation = orient_normals(cloud, options.orientation, progress);
   result.noise = estimate_noise(cloud, options.noise, progress);
+  const bool is_robust = options.initial_mesh.start == InitialMeshOptions::Start::winding_number;
+  if (options.stop_at_parametric_surface && is_robust && result.noise > options.noise.smooth_from) {
+    options = smoothed_for_noise(options, result.noise);
+    measure_neighbourhoods(cloud, options.samples.neighbours, progress);
+    result.orientation = orient_normals(cloud, options.orientation, progress);
+  }
   log.add(Stage::orientation, cloud.size());
 
   SurfaceMesh mesh;
