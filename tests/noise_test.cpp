@@ -1,0 +1,108 @@
+#include "noise.h"
+
+#include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include <cmath>
+
+#include "reconstruct.h"
+#include "shapes.h"
+
+namespace {
+
+using namespace shrinkwrap;
+using namespace shrinkwrap::testing;
+
+PointCloud oriented(const std::vector<Vec3>& points) {
+  Progress silent;
+  PointCloud cloud = prepare_samples(points, {}, silent);
+  orient_normals(cloud, {}, silent);
+  return cloud;
+}
+
+double noise_of(const std::vector<Vec3>& points) {
+  Progress silent;
+  return estimate_noise(oriented(points), {}, silent);
+}
+
+std::vector<Vec3> noisy(ShapeKind kind, Index count, unsigned seed, double noise) {
+  SampleDefects defects;
+  defects.noise = noise;
+  return sample_shape(kind, count, seed, defects);
+}
+
+TEST(Noise, IsAboutRightUpToHalfASpacing) {
+  for (const ShapeKind kind : {ShapeKind::sphere, ShapeKind::blob, ShapeKind::double_torus})
+    for (const double noise : {0.1, 0.25, 0.5}) {
+      SCOPED_TRACE(shape_of(kind).name + " " + std::to_string(noise));
+      EXPECT_NEAR(noise_of(noisy(kind, 5000, 1, noise)), noise, 0.15 * noise);
+    }
+}
+
+TEST(Noise, GrowsBeyondThat) {
+  const double half = noise_of(noisy(ShapeKind::torus, 5000, 2, 0.5));
+  const double one = noise_of(noisy(ShapeKind::torus, 5000, 2, 1.0));
+  EXPECT_GT(one, half + 0.1);
+}
+
+TEST(Noise, CleanCloudsAreNotCalledNoisy) {
+  for (const ShapeKind kind : all_shapes()) {
+    SCOPED_TRACE(shape_of(kind).name);
+    EXPECT_LT(noise_of(sample_shape(kind, 4000, 3)), 0.25 * NoiseOptions().high);
+    EXPECT_LT(noise_of(sample_shape_blue_noise(kind, 2000, 4)), 0.5 * NoiseOptions().high);
+  }
+}
+
+TEST(Noise, TwoSidesOfAThinWallAreNotNoise) {
+  Random random(5);
+  std::vector<Vec3> points;
+  const double spacing = std::sqrt(2.0 * 4.0 / 10000);
+  for (int i = 0; i < 10000; ++i)
+    points.push_back(
+        {random.uniform(-1, 1), random.uniform(-1, 1), (i % 2 == 0 ? 1.3 : -1.3) * spacing});
+  EXPECT_LT(noise_of(points), 0.05);
+}
+
+TEST(Noise, ScaleAndThreadsDoNotMatter) {
+  std::vector<Vec3> points = noisy(ShapeKind::blob, 6000, 6, 0.3);
+  const PointCloud cloud = oriented(points);
+  const auto with_threads = [&](int threads) {
+    return tbb::task_arena(threads).execute([&] {
+      Progress silent;
+      return estimate_noise(cloud, {}, silent);
+    });
+  };
+  EXPECT_EQ(with_threads(1), with_threads(2));
+  for (Vec3& p : points) p *= 1024.0;
+  EXPECT_EQ(noise_of(points), with_threads(1));
+}
+
+// What only smooths over is not asked of it: the surface must also be nearer to the truth.
+TEST(Noise, TheParametricSurfaceOfANoisyCloudIsSmoothedForIt) {
+  const ShapeKind kind = ShapeKind::torus;
+  const std::vector<Vec3> points = noisy(kind, 5000, 7, 1.0);
+  ReconstructionOptions options;
+  options.stop_at_parametric_surface = true;
+  const auto surface_with = [&](const ReconstructionOptions& chosen) {
+    Progress silent;
+    return reconstruct(points, chosen, silent);
+  };
+  const auto mean_error = [&](const Reconstruction& result) {
+    double sum = 0.0;
+    for (const Vec3& p : result.mesh.position) sum += std::abs(shape_of(kind).implicit(p));
+    return sum / static_cast<double>(result.mesh.position.size());
+  };
+  const Reconstruction smooth = surface_with(options);
+  EXPECT_GT(smooth.noise, options.noise.high);
+  EXPECT_EQ(smooth.report.genus, shape_of(kind).genus);
+  EXPECT_EQ(smooth.report.self_intersecting_faces, 0);
+  options.noise.most_units = 0.0;
+  const Reconstruction rough = surface_with(options);
+  EXPECT_LT(mean_error(smooth), 0.8 * mean_error(rough));
+}
+
+TEST(Noise, FewSamplesTellNothing) {
+  EXPECT_EQ(noise_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}}), 0.0);
+}
+
+}  // namespace
