@@ -265,7 +265,8 @@ FilterOutcome run_initial_mesh(const FilterRequest& request, const FilterInput& 
                                Progress& progress) {
   FilterOutcome outcome;
   const PointCloud cloud = prepare_oriented(input, request.options, progress, outcome);
-  tell_of_noise(estimate_noise(cloud, request.options.noise, progress), request.options, outcome);
+  tell_of_noise(estimate_noise(cloud, request.options.noise, progress).median, request.options,
+                outcome);
   const InitialMesh initial =
       make_initial_mesh(cloud, cloud.search, request.options.initial_mesh, progress);
   warn_of(initial.report, outcome.warnings);

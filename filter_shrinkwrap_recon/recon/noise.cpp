@@ -62,7 +62,8 @@ double deviation_at(const PointCloud& cloud, Index sample) {
 
 }  // namespace
 
-double estimate_noise(const PointCloud& cloud, const NoiseOptions& options, Progress& progress) {
+NoiseEstimate estimate_noise(const PointCloud& cloud, const NoiseOptions& options,
+                             Progress& progress) {
   const Index probes =
       std::clamp<Index>(cloud.size() / kSamplesPerProbe, 1, std::max<Index>(options.probes, 1));
   const Index stride = std::max<Index>(cloud.size() / probes, 1);
@@ -70,10 +71,9 @@ double estimate_noise(const PointCloud& cloud, const NoiseOptions& options, Prog
   parallel_for_each(static_cast<Index>(deviation.size()), kGrain, progress,
                     [&](Index n) { deviation[n] = deviation_at(cloud, n * stride); });
   deviation.erase(std::remove(deviation.begin(), deviation.end(), kUnknown), deviation.end());
-  if (deviation.empty()) return 0.0;
-  const auto middle = deviation.begin() + static_cast<std::ptrdiff_t>(deviation.size() / 2);
-  std::nth_element(deviation.begin(), middle, deviation.end());
-  return *middle;
+  if (deviation.empty()) return {};
+  std::sort(deviation.begin(), deviation.end());
+  return {deviation[deviation.size() / 2], deviation[deviation.size() * 4 / 5]};
 }
 
 }  // namespace shrinkwrap

@@ -10,19 +10,25 @@ struct NoiseOptions {
   /// Above this the surface through the samples is rough (x local spacing): measured 0.24 and more
   /// on clouds with noise of 0.25 and more, 0.16 and less on clean ones.
   double high = 0.2;
-  /// If the parametric surface is the result, it is made smoother from `smooth_from` on, by one
-  /// unit for every further `smooth_unit`, at most `most_units` (see `smoothed_for_noise`).
-  double smooth_from = 0.25;
+  /// If noise is high and the parametric surface is the result, it is made smoother, by one unit
+  /// for every `smooth_unit` of the upper fifth beyond `smooth_from`, at most `most_units`.
+  double smooth_from = 0.3;
   double smooth_unit = 0.25;
   double most_units = 1.5;
 };
 
+struct NoiseEstimate {
+  double median = 0.0;       ///< x local spacing, over the samples
+  double upper_fifth = 0.0;  ///< a fifth of the samples have more: where scans overlap, for example
+};
+
 /// The deviation of the samples from the surface that they lie on, in local spacings: what the
 /// neighbours of a sample that face the same way deviate from the quadratic height field that fits
-/// them best (Cazals and Pouget 2005, degree 2), freed of the bias of the fit, median over the
-/// samples. About right to 0.5, and too low beyond (0.65 for 1): a neighbourhood of 16 is then as
+/// them best (Cazals and Pouget 2005, degree 2), freed of the bias of the fit.
+/// About right to 0.5, and too low beyond (0.65 for 1): a neighbourhood of 16 is then as
 /// thick as it is wide. 0 if there is too little to tell. Pre: `orient_normals` was called on the
 /// cloud. The same for any number of threads.
-double estimate_noise(const PointCloud& cloud, const NoiseOptions& options, Progress& progress);
+NoiseEstimate estimate_noise(const PointCloud& cloud, const NoiseOptions& options,
+                             Progress& progress);
 
 }  // namespace shrinkwrap

@@ -89,7 +89,7 @@ void check_promise(const Reconstruction& result, const ReconstructionOptions& op
 // What makes a parametric surface smoother, the more so the noisier the samples are: wider
 // neighbourhoods and voxels, and less haste. Every figure is for one unit (see NoiseOptions).
 ReconstructionOptions smoothed_for_noise(ReconstructionOptions options, double noise) {
-  constexpr double kWider = 1.0, kLargerVoxels = 0.2;
+  constexpr double kWider = 1.0, kLargerVoxels = 0.35;
   constexpr double kAttraction = 0.4, kRelaxation = 0.3;  // from one unit on
   const NoiseOptions& limits = options.noise;
   const double units = std::clamp((noise - limits.smooth_from) / limits.smooth_unit, 0.0,
@@ -123,10 +123,11 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   result.spacing = cloud.frame.to_input_length(cloud.spacing);
 
   result.orientation = orient_normals(cloud, options.orientation, progress);
-  result.noise = estimate_noise(cloud, options.noise, progress);
+  const NoiseEstimate noise = estimate_noise(cloud, options.noise, progress);
+  result.noise = noise.median;
   const bool is_robust = options.initial_mesh.start == InitialMeshOptions::Start::winding_number;
-  if (options.stop_at_parametric_surface && is_robust && result.noise > options.noise.smooth_from) {
-    options = smoothed_for_noise(options, result.noise);
+  if (options.stop_at_parametric_surface && is_robust && noise.median > options.noise.high) {
+    options = smoothed_for_noise(options, noise.upper_fifth);
     measure_neighbourhoods(cloud, options.samples.neighbours, progress);
     result.orientation = orient_normals(cloud, options.orientation, progress);
   }
