@@ -24,9 +24,10 @@ constexpr double kLeastUnfolding = 1e-3;
 // Pairs that the first of several flips may add.
 constexpr Index kMaxDetour = 2;
 constexpr std::int64_t kLeastTrials = 50000;
-// Pairs of triangles tested, for each of the hinges that may be looked at: twice what usual meshes
-// need. In a heap of faces that all meet each other a hinge takes thousands.
-constexpr std::int64_t kTestsPerTrial = 128;
+// Tests of pairs of triangles are bounded too: where all faces of a heap meet each other, one trial
+// takes thousands, and with coordinates of very different size each is slow.
+constexpr std::int64_t kLeastTests = 1000000;
+constexpr std::int64_t kTestsPerFace = 20;
 constexpr Index kPollInterval = 8;
 
 // What is tried in turn, the next where the one before is of no avail.
@@ -324,7 +325,7 @@ RepairReport Repair::run() {
   const std::int64_t max_trials =
       options_.max_trials > 0 ? options_.max_trials : kLeastTrials + mesh_.face_slots();
   trials_left_ = std::min(max_trials, options_.max_trials_per_face * report.faces_before);
-  tests_left_ = kTestsPerTrial * max_trials;
+  tests_left_ = kLeastTests + kTestsPerFace * mesh_.face_slots();
 
   progress_.set_range(0.8, 1.0);
   std::vector<Index> changed;
