@@ -203,7 +203,7 @@ void reconstruct(HostInterface& plugin, const char* cloud, const char* file) {
 
   document.setCurrentMesh(samples->id());
   set_argument(list, "stopatparametricsurface", BoolValue(true));
-  set_argument(list, "fititerations", IntValue(3));
+  set_argument(list, "neighbours", IntValue(12));
   set_argument(list, "voxelsize", FloatValue(2.0f));
   outcome = apply(plugin, action, document, list);
   if (!outcome.error.empty()) fail(outcome.error);
