@@ -45,7 +45,9 @@ if [ "${1:-}" != --inside ]; then
         dialog) taken=1_dialog ;;
         result) taken=1_mesh ;;
       esac
-      convert "$build/screenshots/$readme_cloud/$taken.png" +dither -colors 240 -strip -define png:compression-level=9 \
+      part=${width}x$height  # the log beside the first two names folders of this machine
+      [ "$taken" = 1_mesh ] || part=860x868
+      convert "$build/screenshots/$readme_cloud/$taken.png" -crop "$part+0+0" +repage +dither -colors 240 -strip -define png:compression-level=9 \
         "PNG8:$root/docs/pictures/meshlab_$picture.png"
     done
   fi
