@@ -267,8 +267,7 @@ FilterOutcome run_initial_mesh(const FilterRequest& request, const FilterInput& 
   const PointCloud cloud = prepare_oriented(input, request.options, progress, outcome);
   tell_of_noise(estimate_noise(cloud, request.options.noise, progress).median, request.options,
                 outcome);
-  const InitialMesh initial =
-      make_initial_mesh(cloud, cloud.search, request.options.initial_mesh, progress);
+  const InitialMesh initial = make_initial_mesh(cloud, request.options.initial_mesh, progress);
   warn_of(initial.report, outcome.warnings);
   outcome.log.push_back(surface_verdict("initial mesh", initial.mesh));
   outcome.mesh = to_result(initial.mesh, cloud.frame);
@@ -294,9 +293,8 @@ FilterOutcome run_parametric_surface(const FilterRequest& request, const FilterI
                                      Progress& progress) {
   FilterOutcome outcome;
   const PointCloud cloud = prepare_oriented(input, request.options, progress, outcome);
-  const ParametricSurface surface =
-      make_parametric_surface(closed_surface(input.mesh, cloud.frame), cloud, cloud.search,
-                              request.options.parametric_surface, progress);
+  const ParametricSurface surface = make_parametric_surface(
+      closed_surface(input.mesh, cloud.frame), cloud, request.options.parametric_surface, progress);
   outcome.log.push_back("distance of the vertices from the samples' surface: mean " +
                         formatted("%.3f", surface.report.mean_distance) + ", greatest " +
                         formatted("%.3f", surface.report.max_distance) + " spacings");
@@ -312,7 +310,7 @@ FilterOutcome run_complete_matching(const FilterRequest& request, const FilterIn
   const PointCloud cloud = prepare_oriented(input, request.options, progress, outcome);
   const SurfaceMesh surface = closed_surface(input.mesh, cloud.frame);
   CompleteMatching matching =
-      match_samples(surface, cloud, cloud.search, request.options.complete_matching, progress);
+      match_samples(surface, cloud, request.options.complete_matching, progress);
   warn_of(matching.report, outcome.warnings);
   outcome.log.push_back("distance of the samples from the parametric surface: mean " +
                         formatted("%.3f", matching.report.mean_foot_distance) + ", greatest " +

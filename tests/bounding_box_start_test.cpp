@@ -10,21 +10,15 @@
 namespace shrinkwrap::testing {
 namespace {
 
-// Samples and their search, as the stage wants them.
-struct Prepared {
-  PointCloud cloud;
-  VoxelSearch search;
-};
-Prepared prepare(const std::vector<Vec3>& points) {
+// Samples as the stage wants them.
+PointCloud prepare(const std::vector<Vec3>& points) {
   Progress silent;
-  PointCloud cloud = prepare_samples(points, {}, silent);
-  VoxelSearch search(cloud.position);
-  return {std::move(cloud), std::move(search)};
+  return prepare_samples(points, {}, silent);
 }
 
-InitialMesh shrink(const Prepared& samples, const InitialMeshOptions& options = {}) {
+InitialMesh shrink(const PointCloud& samples, const InitialMeshOptions& options = {}) {
   Progress silent;
-  return shrink_bounding_box(samples.cloud, samples.search, options, silent);
+  return shrink_bounding_box(samples, options, silent);
 }
 
 TEST(LevelsFor, FollowsTheTables) {
@@ -70,7 +64,7 @@ TEST(ShrinkBoundingBox, WrapsEveryShape) {
   for (ShapeKind kind : all_shapes()) {
     const Shape shape = shape_of(kind);
     SCOPED_TRACE(shape.name);
-    const Prepared samples = prepare(sample_shape(kind, 2000, 11));
+    const PointCloud samples = prepare(sample_shape(kind, 2000, 11));
     const InitialMesh initial = shrink(samples);
     EXPECT_EQ(initial.report.levels, 3);
     EXPECT_EQ(initial.mesh.vertex_count(), 386);
@@ -84,16 +78,16 @@ TEST(ShrinkBoundingBox, WrapsEveryShape) {
 }
 
 TEST(ShrinkBoundingBox, ComesNearTheSphere) {
-  const Prepared samples = prepare(sample_shape_blue_noise(ShapeKind::sphere, 3000, 12));
+  const PointCloud samples = prepare(sample_shape_blue_noise(ShapeKind::sphere, 3000, 12));
   const InitialMesh initial = shrink(samples);
-  const Frame& frame = samples.cloud.frame;
+  const Frame& frame = samples.frame;
   for (const Vec3& p : initial.mesh.position) EXPECT_NEAR(frame.to_input(p).norm(), 1.0, 0.03);
   EXPECT_GT(normal_consistency(initial.mesh, shape_of(ShapeKind::sphere), frame), 0.99);
 }
 
 // Eq. 5 with xi = 1 and no relaxation moves every vertex exactly onto a sample.
 TEST(ShrinkBoundingBox, ProjectsOntoSamples) {
-  const Prepared samples = prepare(sample_shape(ShapeKind::blob, 1000, 13));
+  const PointCloud samples = prepare(sample_shape(ShapeKind::blob, 1000, 13));
   InitialMeshOptions options;
   options.projection = 1.0;
   options.box_relaxation = 0.0;
@@ -104,7 +98,7 @@ TEST(ShrinkBoundingBox, ProjectsOntoSamples) {
 
 // Eq. 8 moves vertices along the surface only: without projection a box stays its box.
 TEST(ShrinkBoundingBox, RelaxesAlongTheSurface) {
-  const Prepared samples = prepare(sample_shape(ShapeKind::box, 1000, 14));
+  const PointCloud samples = prepare(sample_shape(ShapeKind::box, 1000, 14));
   InitialMeshOptions options;
   options.levels = 3;
   options.projection = 0.0;
@@ -117,7 +111,7 @@ TEST(ShrinkBoundingBox, RelaxesAlongTheSurface) {
 }
 
 TEST(ShrinkBoundingBox, ObeysTheLevel) {
-  const Prepared samples = prepare(sample_shape(ShapeKind::sphere, 500, 15));
+  const PointCloud samples = prepare(sample_shape(ShapeKind::sphere, 500, 15));
   InitialMeshOptions options;
   options.levels = 0;
   EXPECT_EQ(shrink(samples, options).mesh.vertex_count(), 8);
@@ -130,7 +124,7 @@ TEST(ShrinkBoundingBox, ObeysTheLevel) {
 }
 
 TEST(ShrinkBoundingBox, TakesTheFewestSamples) {
-  const Prepared samples = prepare({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1e-3}});
+  const PointCloud samples = prepare({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1e-3}});
   for (int levels = -1; levels <= 4; ++levels) {
     InitialMeshOptions options;
     options.levels = levels;
@@ -139,7 +133,7 @@ TEST(ShrinkBoundingBox, TakesTheFewestSamples) {
 }
 
 TEST(ShrinkBoundingBox, IsTheSameForAnyNumberOfThreads) {
-  const Prepared samples = prepare(sample_shape(ShapeKind::torus, 30000, 16));
+  const PointCloud samples = prepare(sample_shape(ShapeKind::torus, 30000, 16));
   const auto run_with = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     return shrink(samples).mesh;
@@ -148,7 +142,7 @@ TEST(ShrinkBoundingBox, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(ShrinkBoundingBox, ReportsRisingProgressAndCanBeCancelled) {
-  const Prepared samples = prepare(sample_shape(ShapeKind::torus, 3000, 17));
+  const PointCloud samples = prepare(sample_shape(ShapeKind::torus, 3000, 17));
   double last = 0.0;
   bool rising = true;
   Progress watched(
@@ -159,14 +153,14 @@ TEST(ShrinkBoundingBox, ReportsRisingProgressAndCanBeCancelled) {
       },
       {Stage::initial_mesh});
   watched.begin(Stage::initial_mesh);
-  shrink_bounding_box(samples.cloud, samples.search, {}, watched);
+  shrink_bounding_box(samples, {}, watched);
   EXPECT_TRUE(rising);
 
   Progress refused([](double, const char*) { return false; }, {Stage::initial_mesh});
   EXPECT_THROW(
       {
         refused.begin(Stage::initial_mesh);
-        shrink_bounding_box(samples.cloud, samples.search, {}, refused);
+        shrink_bounding_box(samples, {}, refused);
       },
       Cancelled);
 }

@@ -57,8 +57,7 @@ SurfaceMesh star_shaped(ShapeKind kind, int subdivisions) {
 CompleteMatching match(const PointCloud& cloud, const SurfaceMesh& surface,
                        const CompleteMatchingOptions& options = {}) {
   Progress silent;
-  return match_samples(surface_for(cloud, surface), cloud, VoxelSearch(cloud.position), options,
-                       silent);
+  return match_samples(surface_for(cloud, surface), cloud, options, silent);
 }
 
 Index self_intersecting_faces(const SurfaceMesh& mesh) {
@@ -244,16 +243,14 @@ TEST(Retiling, DoesNotDependOnThreads) {
 TEST(Retiling, CanBeCancelled) {
   const PointCloud cloud = cloud_of(testing::sample_shape(ShapeKind::sphere, 2000, 11));
   Progress cancelled([](double, const char*) { return false; }, {Stage::complete_matching});
-  EXPECT_THROW(match_samples(surface_for(cloud, testing::icosphere(4)), cloud,
-                             VoxelSearch(cloud.position), {}, cancelled),
+  EXPECT_THROW(match_samples(surface_for(cloud, testing::icosphere(4)), cloud, {}, cancelled),
                Cancelled);
 }
 
 TEST(Retiling, RefusesASurfaceWithoutFaces) {
   const PointCloud cloud = cloud_of(testing::sample_shape(ShapeKind::sphere, 100, 12));
   Progress silent;
-  EXPECT_THROW(match_samples(SurfaceMesh(), cloud, VoxelSearch(cloud.position), {}, silent),
-               InvalidInput);
+  EXPECT_THROW(match_samples(SurfaceMesh(), cloud, {}, silent), InvalidInput);
 }
 
 // Half a sphere of samples, and the whole sphere as the surface.

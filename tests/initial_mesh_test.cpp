@@ -15,30 +15,25 @@
 namespace shrinkwrap::testing {
 namespace {
 
-struct Prepared {
-  PointCloud cloud;
-  VoxelSearch search;
-};
-Prepared prepare(const std::vector<Vec3>& points) {
+PointCloud prepare(const std::vector<Vec3>& points) {
   Progress silent;
   PointCloud cloud = prepare_samples(points, {}, silent);
   orient_normals(cloud, {}, silent);
-  VoxelSearch search(cloud.position);
-  return {std::move(cloud), std::move(search)};
+  return cloud;
 }
 
-InitialMesh initial_mesh_of(const Prepared& samples, const InitialMeshOptions& options = {}) {
+InitialMesh initial_mesh_of(const PointCloud& samples, const InitialMeshOptions& options = {}) {
   Progress silent;
-  return make_initial_mesh(samples.cloud, samples.search, options, silent);
+  return make_initial_mesh(samples, options, silent);
 }
 
 TEST(WindingNumber, IsOneInsideAndZeroOutside) {
   for (const ShapeKind kind : {ShapeKind::sphere, ShapeKind::torus, ShapeKind::bowl}) {
     const Shape shape = shape_of(kind);
     SCOPED_TRACE(shape.name);
-    const Prepared samples = prepare(sample_shape_blue_noise(kind, 6000, 1));
-    const WindingNumber winding(samples.cloud);
-    const double spacing = samples.cloud.frame.to_input_length(samples.cloud.spacing);
+    const PointCloud samples = prepare(sample_shape_blue_noise(kind, 6000, 1));
+    const WindingNumber winding(samples);
+    const double spacing = samples.frame.to_input_length(samples.spacing);
     Random random(2);
     int looked_at = 0;
     for (int i = 0; i < 2000; ++i) {
@@ -46,26 +41,26 @@ TEST(WindingNumber, IsOneInsideAndZeroOutside) {
       const double distance = shape.implicit(p);
       if (std::abs(distance) < 1.5 * spacing) continue;
       ++looked_at;
-      EXPECT_NEAR(winding.at(samples.cloud.frame.to_unit(p)), distance < 0.0 ? 1.0 : 0.0, 0.12);
+      EXPECT_NEAR(winding.at(samples.frame.to_unit(p)), distance < 0.0 ? 1.0 : 0.0, 0.12);
     }
     EXPECT_GT(looked_at, 500);
   }
 }
 
 TEST(WindingNumber, FarAwayItFallsToZero) {
-  const Prepared samples = prepare(sample_shape(ShapeKind::sphere, 500, 3));
-  const WindingNumber winding(samples.cloud);
+  const PointCloud samples = prepare(sample_shape(ShapeKind::sphere, 500, 3));
+  const WindingNumber winding(samples);
   EXPECT_NEAR(winding.at(Vec3(1e3, 0, 0)), 0.0, 1e-4);
   EXPECT_NEAR(winding.at(Vec3(1e9, -1e9, 1e9)), 0.0, 1e-9);
 }
 
 TEST(WindingNumber, FallsSmoothlyAcrossAnOpening) {
-  const Prepared samples = prepare(sample_shape_blue_noise(ShapeKind::hemisphere, 4000, 4));
-  const WindingNumber winding(samples.cloud);
+  const PointCloud samples = prepare(sample_shape_blue_noise(ShapeKind::hemisphere, 4000, 4));
+  const WindingNumber winding(samples);
   Vec3 centre = Vec3::Zero();  // of the rim: below the cap along its axis
-  for (const Vec3& p : samples.cloud.position) centre += p;
-  centre /= samples.cloud.size();
-  const Vec3 down = (samples.cloud.frame.to_unit(Vec3::Zero()) - centre).normalized();
+  for (const Vec3& p : samples.position) centre += p;
+  centre /= samples.size();
+  const Vec3 down = (samples.frame.to_unit(Vec3::Zero()) - centre).normalized();
   double last = winding.at(centre);
   EXPECT_GT(last, 0.4);
   for (int i = 1; i <= 40; ++i) {
@@ -78,18 +73,18 @@ TEST(WindingNumber, FallsSmoothlyAcrossAnOpening) {
 
 TEST(VoxelSolid, HoldsWhatIsDeepInside) {
   const Shape shape = shape_of(ShapeKind::torus);
-  const Prepared samples = prepare(sample_shape_blue_noise(ShapeKind::torus, 5000, 5));
-  const WindingNumber winding(samples.cloud);
+  const PointCloud samples = prepare(sample_shape_blue_noise(ShapeKind::torus, 5000, 5));
+  const WindingNumber winding(samples);
   Progress silent;
   const InitialMeshOptions options;
-  const VoxelSolid solid = make_voxel_solid(samples.cloud, winding, options, silent);
-  const double spacing = samples.cloud.frame.to_input_length(samples.cloud.spacing);
+  const VoxelSolid solid = make_voxel_solid(samples, winding, options, silent);
+  const double spacing = samples.frame.to_input_length(samples.spacing);
   Random random(6);
   for (int i = 0; i < 4000; ++i) {
     const Vec3 p = 1.1 * shape.radius * random.in_cube();
     const double distance = shape.implicit(p);
     if (std::abs(distance) < 2.0 * spacing) continue;
-    EXPECT_EQ(solid.contains(samples.cloud.frame.to_unit(p)), distance < 0.0) << p.transpose();
+    EXPECT_EQ(solid.contains(samples.frame.to_unit(p)), distance < 0.0) << p.transpose();
   }
 }
 
@@ -99,7 +94,7 @@ TEST_P(InitialMeshOf, HasTheTopologyOfTheShapeAndLiesOnIt) {
   const Shape shape = shape_of(GetParam());
   for (unsigned seed = 0; seed < 3; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    const Prepared samples = prepare(sample_shape(GetParam(), 8000, seed, {0.0, 0.0, true}));
+    const PointCloud samples = prepare(sample_shape(GetParam(), 8000, seed, {0.0, 0.0, true}));
     const InitialMesh initial = initial_mesh_of(samples);
     expect_closed_manifold(initial.mesh, shape.components, shape.genus);
     EXPECT_GT(signed_volume(initial.mesh), 0.0);
@@ -108,18 +103,18 @@ TEST_P(InitialMeshOf, HasTheTopologyOfTheShapeAndLiesOnIt) {
     double sum = 0.0;
     for (const Vec3& p : initial.mesh.position)
       sum += std::sqrt(samples.search.nearest(p).squared_distance);
-    EXPECT_LT(sum / initial.mesh.vertex_count(), 0.8 * samples.cloud.spacing);
+    EXPECT_LT(sum / initial.mesh.vertex_count(), 0.8 * samples.spacing);
   }
 }
 INSTANTIATE_TEST_SUITE_P(Shapes, InitialMeshOf, ::testing::ValuesIn(closed_shapes()),
                          [](const auto& test) { return shape_of(test.param).name; });
 
 TEST(InitialMesh, ClosesAnOpeningWithoutFoam) {
-  const Prepared samples = prepare(sample_shape(ShapeKind::hemisphere, 6000, 9));
+  const PointCloud samples = prepare(sample_shape(ShapeKind::hemisphere, 6000, 9));
   const InitialMesh initial = initial_mesh_of(samples);
   expect_closed_manifold(initial.mesh, 1, 0);
   // Half a ball, or thereabouts, and not the shell of the cap alone.
-  const double unit = samples.cloud.frame.to_input_length(1.0);
+  const double unit = samples.frame.to_input_length(1.0);
   EXPECT_GT(signed_volume(initial.mesh) * unit * unit * unit, 1.0);
   EXPECT_LT(signed_volume(initial.mesh) * unit * unit * unit, 4.5);
 }
@@ -129,7 +124,7 @@ TEST(InitialMesh, InnerWallBecomesACavity) {
   std::vector<Vec3> points = sample_shape_blue_noise(ShapeKind::sphere, 6000, 10);
   for (const Vec3& p : sample_shape_blue_noise(ShapeKind::sphere, 1500, 11))
     points.push_back(0.5 * p);
-  const Prepared samples = prepare(points);
+  const PointCloud samples = prepare(points);
   const InitialMesh initial = initial_mesh_of(samples);
   expect_closed_manifold(initial.mesh, 2, 0);
   EXPECT_EQ(initial.report.cavities, 1);
@@ -143,12 +138,12 @@ TEST(InitialMesh, ClumpsOfStrayPointsAreNoBodies) {
 }
 
 TEST(InitialMesh, FourPointsMakeOne) {
-  const Prepared samples = prepare({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+  const PointCloud samples = prepare({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
   expect_closed_manifold(initial_mesh_of(samples).mesh, 1, 0);
 }
 
 TEST(InitialMesh, IsTheSameForAnyNumberOfThreads) {
-  const Prepared samples = prepare(sample_shape(ShapeKind::double_torus, 20000, 14));
+  const PointCloud samples = prepare(sample_shape(ShapeKind::double_torus, 20000, 14));
   const auto with_threads = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     return initial_mesh_of(samples).mesh;

@@ -12,16 +12,11 @@
 namespace shrinkwrap::testing {
 namespace {
 
-struct Prepared {
-  PointCloud cloud;
-  VoxelSearch search;
-};
-Prepared prepare(const std::vector<Vec3>& points) {
+PointCloud prepare(const std::vector<Vec3>& points) {
   Progress silent;
   PointCloud cloud = prepare_samples(points, {}, silent);
   orient_normals(cloud, {}, silent);
-  VoxelSearch search(cloud.position);
-  return {std::move(cloud), std::move(search)};
+  return cloud;
 }
 
 // A mesh of the shape's own frame, in that of the samples.
@@ -76,13 +71,13 @@ TEST(LoopSubdivide, KeepsAPlaneAndPrecision) {
 }
 
 TEST(ParametricSurface, LiesOnTheSampledSurface) {
-  const Prepared samples = prepare(sample_shape_blue_noise(ShapeKind::torus, 6000, 4));
+  const PointCloud samples = prepare(sample_shape_blue_noise(ShapeKind::torus, 6000, 4));
   SurfaceMesh control = torus_mesh(24, 12);
   ParametricSurfaceOptions options;
   options.fine_enough = 0.0;
   Progress silent;
-  const ParametricSurface surface = make_parametric_surface(
-      in_frame(control, samples.cloud.frame), samples.cloud, samples.search, options, silent);
+  const ParametricSurface surface =
+      make_parametric_surface(in_frame(control, samples.frame), samples, options, silent);
   expect_closed_manifold(surface.mesh, 1, 1);
   EXPECT_EQ(surface.report.subdivisions, 2);
   EXPECT_EQ(surface.mesh.vertex_count(), 16 * control.vertex_count());
@@ -91,24 +86,23 @@ TEST(ParametricSurface, LiesOnTheSampledSurface) {
   const Shape torus = shape_of(ShapeKind::torus);
   double sum = 0.0;
   for (const Vec3& p : surface.mesh.position)
-    sum += std::abs(torus.implicit(samples.cloud.frame.to_input(p)));
-  const double spacing = samples.cloud.frame.to_input_length(samples.cloud.spacing);
+    sum += std::abs(torus.implicit(samples.frame.to_input(p)));
+  const double spacing = samples.frame.to_input_length(samples.spacing);
   EXPECT_LT(sum / surface.mesh.vertex_count(), 0.06 * spacing);
-  EXPECT_GT(normal_consistency(surface.mesh, torus, samples.cloud.frame), 0.995);
+  EXPECT_GT(normal_consistency(surface.mesh, torus, samples.frame), 0.995);
 }
 
 TEST(ParametricSurface, LeavesTheLastSubdivisionOutWhereItIsFineEnough) {
-  const Prepared smooth = prepare(sample_shape_blue_noise(ShapeKind::sphere, 4500, 14));
+  const PointCloud smooth = prepare(sample_shape_blue_noise(ShapeKind::sphere, 4500, 14));
   // A cube of few samples has edges that a coarse surface cuts off.
-  const Prepared sharp = prepare(sample_shape_blue_noise(ShapeKind::box, 1500, 14));
-  const auto subdivisions_of = [](const Prepared& samples, double fine_enough) {
+  const PointCloud sharp = prepare(sample_shape_blue_noise(ShapeKind::box, 1500, 14));
+  const auto subdivisions_of = [](const PointCloud& samples, double fine_enough) {
     ParametricSurfaceOptions options;
     options.fine_enough = fine_enough;
     options.fine_enough_from = 1000;
     Progress silent;
     const ParametricSurface surface =
-        make_parametric_surface(in_frame(icosphere(2), samples.cloud.frame), samples.cloud,
-                                samples.search, options, silent);
+        make_parametric_surface(in_frame(icosphere(2), samples.frame), samples, options, silent);
     expect_closed_manifold(surface.mesh, 1, 0);
     return surface.report.subdivisions;
   };
@@ -118,49 +112,47 @@ TEST(ParametricSurface, LeavesTheLastSubdivisionOutWhereItIsFineEnough) {
 }
 
 TEST(ParametricSurface, NearestSampleFittingComesCloseToo) {
-  const Prepared samples = prepare(sample_shape(ShapeKind::sphere, 3000, 5));
+  const PointCloud samples = prepare(sample_shape(ShapeKind::sphere, 3000, 5));
   ParametricSurfaceOptions options;
   options.target = ParametricSurfaceOptions::Target::nearest_sample;
   options.attraction = 0.85;
   options.relaxation = 0.0;
   Progress silent;
-  const ParametricSurface surface = make_parametric_surface(
-      in_frame(icosphere(2), samples.cloud.frame), samples.cloud, samples.search, options, silent);
+  const ParametricSurface surface =
+      make_parametric_surface(in_frame(icosphere(2), samples.frame), samples, options, silent);
   expect_closed_manifold(surface.mesh, 1, 0);
   for (const Vec3& p : surface.mesh.position)
-    EXPECT_NEAR(samples.cloud.frame.to_input(p).norm(), 1.0, 0.05);
+    EXPECT_NEAR(samples.frame.to_input(p).norm(), 1.0, 0.05);
 }
 
 TEST(ParametricSurface, SubdividesAgainWhereTheControlMeshIsCoarse) {
-  const Prepared samples = prepare(sample_shape(ShapeKind::sphere, 4000, 6));
+  const PointCloud samples = prepare(sample_shape(ShapeKind::sphere, 4000, 6));
   ParametricSurfaceOptions options;
   options.fine_enough = 0.0;
   Progress silent;
-  const ParametricSurface surface = make_parametric_surface(
-      in_frame(icosphere(1), samples.cloud.frame), samples.cloud, samples.search, options, silent);
+  const ParametricSurface surface =
+      make_parametric_surface(in_frame(icosphere(1), samples.frame), samples, options, silent);
   EXPECT_EQ(surface.report.subdivisions, 3);
   EXPECT_EQ(surface.mesh.vertex_count(), 2562);
 }
 
 TEST(ParametricSurface, AMembraneIsNotPulledOntoTheSamples) {
   // The far half of the sphere has no samples: it is smoothed, and does not collapse onto the rim.
-  const Prepared samples = prepare(sample_shape_blue_noise(ShapeKind::hemisphere, 3000, 7));
+  const PointCloud samples = prepare(sample_shape_blue_noise(ShapeKind::hemisphere, 3000, 7));
   Progress silent;
-  const ParametricSurface surface = make_parametric_surface(
-      in_frame(icosphere(3), samples.cloud.frame), samples.cloud, samples.search, {}, silent);
+  const ParametricSurface surface =
+      make_parametric_surface(in_frame(icosphere(3), samples.frame), samples, {}, silent);
   expect_closed_manifold(surface.mesh, 1, 0);
   EXPECT_GT(surface.report.membrane_vertices, surface.mesh.vertex_count() / 10);
   EXPECT_LT(surface.report.mean_distance, 0.2);
 }
 
 TEST(ParametricSurface, IsTheSameForAnyNumberOfThreads) {
-  const Prepared samples = prepare(sample_shape(ShapeKind::blob, 20000, 8));
+  const PointCloud samples = prepare(sample_shape(ShapeKind::blob, 20000, 8));
   const auto with_threads = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     Progress silent;
-    return make_parametric_surface(in_frame(icosphere(3), samples.cloud.frame), samples.cloud,
-                                   samples.search, {}, silent)
-        .mesh;
+    return make_parametric_surface(in_frame(icosphere(3), samples.frame), samples, {}, silent).mesh;
   };
   expect_same_mesh(with_threads(1), with_threads(2));
 }

@@ -21,19 +21,17 @@ struct Fixture {
     Progress silent;
     cloud = prepare_samples(points, SampleOptions(), silent);
     orient_normals(cloud, OrientationOptions(), silent);
-    search = VoxelSearch(cloud.position);
   }
   Vec3 unit(const Vec3& p) const { return cloud.frame.to_unit(p); }
   Vec3 input(const Vec3& p) const { return cloud.frame.to_input(p); }
   double spacing() const { return cloud.frame.to_input_length(cloud.spacing); }
 
   PointCloud cloud;
-  VoxelSearch search;
 };
 
 TEST(TangentTarget, IsOnTheSurface) {
   const Fixture sphere(sample_shape_blue_noise(ShapeKind::sphere, 4000, 1));
-  const TangentTarget targets(sphere.cloud, sphere.search);
+  const TangentTarget targets(sphere.cloud);
   Random random(2);
   int membranes = 0;
   for (int i = 0; i < 1000; ++i) {
@@ -52,7 +50,7 @@ TEST(TangentTarget, IsOnTheSurface) {
 
 TEST(TangentTarget, HintLeadsToTheSameTarget) {
   const Fixture torus(sample_shape(ShapeKind::torus, 6000, 3));
-  const TangentTarget targets(torus.cloud, torus.search);
+  const TangentTarget targets(torus.cloud);
   Random random(4);
   int same = 0;
   for (int i = 0; i < 500; ++i) {
@@ -87,7 +85,7 @@ TEST(TangentTarget, KeepsTheSidesOfAThinPlateApart) {
   TangentTargetOptions options;
   options.off_centre = 10.0;  // no fading
   options.beyond_rim = 20.0;
-  const TangentTarget targets(cloud, plate.search, options);
+  const TangentTarget targets(cloud, options);
   for (int i = 0; i < 300; ++i) {
     const Vec3 query(random.uniform(-0.8, 0.8), random.uniform(-0.8, 0.8),
                      random.uniform(-0.06, 0.06));
@@ -105,7 +103,7 @@ TEST(TangentTarget, KeepsTheSidesOfAThinPlateApart) {
 
 TEST(TangentTarget, FindsMembranes) {
   const Fixture cap(sample_shape(ShapeKind::hemisphere, 8000, 6));
-  const TangentTarget targets(cap.cloud, cap.search);
+  const TangentTarget targets(cap.cloud);
   const auto is_membrane = [&](const Vec3& query, const Vec3& normal) {
     return targets.find(cap.unit(query), normal, cap.unit(query), kNone).is_membrane;
   };
@@ -142,7 +140,7 @@ TEST(TangentTarget, FadesTowardsTheCentroidAtTheRim) {
     half_plane.cloud.normal[i] = Vec3f::UnitZ();
     half_plane.cloud.plane[i] = {half_plane.cloud.position[i].cast<float>(), Vec3f::UnitZ()};
   }
-  const TangentTarget targets(half_plane.cloud, half_plane.search);
+  const TangentTarget targets(half_plane.cloud);
   double last = 0.0;
   bool faded = false, ended = false;
   for (double x = -5.0; x < 4.0; x += 0.01) {

@@ -14,11 +14,10 @@ constexpr Index kBoxVertices = 8;
 constexpr int kMaxLevels = 12;  // 100 million vertices, and few enough half-edges for an Index
 
 // Eq. 4-5: towards the nearest sample.
-void project(SurfaceMesh& mesh, const PointCloud& cloud, const VoxelSearch& search, double xi,
-             Progress& progress) {
+void project(SurfaceMesh& mesh, const PointCloud& cloud, double xi, Progress& progress) {
   parallel_for_each(mesh.vertex_slots(), kGrain, progress, [&](Index v) {
     Vec3& p = mesh.position[v];
-    p += xi * (cloud.position[search.nearest(p).index] - p);
+    p += xi * (cloud.position[cloud.search.nearest(p).index] - p);
   });
 }
 
@@ -117,8 +116,8 @@ SurfaceMesh midpoint_subdivide(const SurfaceMesh& mesh, Progress& progress) {
   return SurfaceMesh::from_halfedges(std::move(position), std::move(origin), std::move(twin));
 }
 
-InitialMesh shrink_bounding_box(const PointCloud& cloud, const VoxelSearch& search,
-                                const InitialMeshOptions& options, Progress& progress) {
+InitialMesh shrink_bounding_box(const PointCloud& cloud, const InitialMeshOptions& options,
+                                Progress& progress) {
   if (options.levels > kMaxLevels)
     throw InvalidInput("the bounding box can be subdivided at most " + std::to_string(kMaxLevels) +
                        " times, not " + std::to_string(options.levels) +
@@ -135,7 +134,7 @@ InitialMesh shrink_bounding_box(const PointCloud& cloud, const VoxelSearch& sear
     mesh = midpoint_subdivide(mesh, progress);
     for (int i = 0; i < options.iterations_per_level; ++i) {
       progress.set_range(begin + share * i, begin + share * (i + 0.8));
-      project(mesh, cloud, search, options.projection, progress);
+      project(mesh, cloud, options.projection, progress);
       progress.set_range(begin + share * (i + 0.8), begin + share * (i + 1));
       relax(mesh, options.box_relaxation, scratch, progress);
     }

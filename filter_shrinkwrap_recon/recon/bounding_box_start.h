@@ -30,7 +30,7 @@ SurfaceMesh midpoint_subdivide(const SurfaceMesh& mesh, Progress& progress);
 /// eq. 4-5 with xi = `projection` and eq. 6-8 with eta = `box_relaxation`, all vertices at once.
 /// `levels` below 0 means levels_for. Throws InvalidInput if `levels` is more than 12. Post:
 /// closed, genus 0, canonical order. O(V log N), parallel, the same for any number of threads.
-InitialMesh shrink_bounding_box(const PointCloud& cloud, const VoxelSearch& search,
-                                const InitialMeshOptions& options, Progress& progress);
+InitialMesh shrink_bounding_box(const PointCloud& cloud, const InitialMeshOptions& options,
+                                Progress& progress);
 
 }  // namespace shrinkwrap

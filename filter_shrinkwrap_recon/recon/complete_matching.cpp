@@ -30,15 +30,14 @@ void check_matching(const CompleteMatching& matching, Index samples) {
 }  // namespace
 
 CompleteMatching match_samples(SurfaceMesh parametric, const PointCloud& cloud,
-                               const VoxelSearch& search, const CompleteMatchingOptions& options,
-                               Progress& progress) {
+                               const CompleteMatchingOptions& options, Progress& progress) {
   progress.begin(Stage::complete_matching);
   if (parametric.face_count() == 0)
     throw InvalidInput("the parametric surface has no faces: make it again");
   CompleteMatching matching =
       options.method == CompleteMatchingOptions::Method::retile
-          ? retile(std::move(parametric), cloud, search, options, progress)
-          : snap_and_insert(std::move(parametric), cloud, search, options, progress);
+          ? retile(std::move(parametric), cloud, options, progress)
+          : snap_and_insert(std::move(parametric), cloud, options, progress);
   check_matching(matching, cloud.size());
   turn_outward(matching.mesh);
   progress.update(1.0);

@@ -3,7 +3,6 @@
 
 #include "point_cloud.h"
 #include "surface_mesh.h"
-#include "voxel_search.h"
 
 namespace shrinkwrap {
 
@@ -57,7 +56,6 @@ struct CompleteMatching {
 /// the surface has no faces. O(N log N), for retile O(N) but for the tree search; parallel, the
 /// same for any number of threads.
 CompleteMatching match_samples(SurfaceMesh parametric, const PointCloud& cloud,
-                               const VoxelSearch& search, const CompleteMatchingOptions& options,
-                               Progress& progress);
+                               const CompleteMatchingOptions& options, Progress& progress);
 
 }  // namespace shrinkwrap

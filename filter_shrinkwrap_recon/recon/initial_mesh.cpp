@@ -21,9 +21,9 @@ constexpr double kSupportReach = 3.0;  // x size of a voxel
 
 // Shrinks the mesh towards the planes of the samples of its own side, all vertices at once (eq.
 // 4-8, with the plane in place of the nearest sample, which folds the mesh in concavities).
-void shrink(SurfaceMesh& mesh, const PointCloud& cloud, const VoxelSearch& search,
-            const InitialMeshOptions& options, Progress& progress) {
-  const TangentTarget tangent(cloud, search);
+void shrink(SurfaceMesh& mesh, const PointCloud& cloud, const InitialMeshOptions& options,
+            Progress& progress) {
+  const TangentTarget tangent(cloud);
   const double max_step = options.max_step * cloud.spacing;
   std::vector<Index> hint(mesh.position.size(), kNone);
   std::vector<Vec3> moved(mesh.position.size());
@@ -172,10 +172,10 @@ InitialMesh most_plausible_boundary(const PointCloud& cloud, const InitialMeshOp
 
 }  // namespace
 
-InitialMesh make_initial_mesh(const PointCloud& cloud, const VoxelSearch& search,
-                              const InitialMeshOptions& options, Progress& progress) {
+InitialMesh make_initial_mesh(const PointCloud& cloud, const InitialMeshOptions& options,
+                              Progress& progress) {
   if (options.start == InitialMeshOptions::Start::bounding_box)
-    return shrink_bounding_box(cloud, search, options, progress);
+    return shrink_bounding_box(cloud, options, progress);
   progress.begin(Stage::initial_mesh);
   InitialMesh result = most_plausible_boundary(cloud, options, progress);
   if (result.mesh.face_count() == 0)
@@ -188,7 +188,7 @@ InitialMesh make_initial_mesh(const PointCloud& cloud, const VoxelSearch& search
     result.report.handles_cut = limit_genus(result.mesh, options.maximum_genus, progress);
     result.report.genus -= result.report.handles_cut;
   }
-  shrink(result.mesh, cloud, search, options, progress);
+  shrink(result.mesh, cloud, options, progress);
   return result;
 }
 

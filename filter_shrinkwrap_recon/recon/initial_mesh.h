@@ -3,7 +3,6 @@
 
 #include "point_cloud.h"
 #include "surface_mesh.h"
-#include "voxel_search.h"
 
 namespace shrinkwrap {
 
@@ -62,7 +61,7 @@ struct InitialMesh {
 /// Makes the initial mesh. Pre: `orient_normals` was called on the cloud (winding_number only).
 /// Post: closed, 2-manifold, consistently oriented outwards; for bounding_box genus 0.
 /// Throws ReconstructionFailed if no solid holds enough samples. O(N) expected.
-InitialMesh make_initial_mesh(const PointCloud& cloud, const VoxelSearch& search,
-                              const InitialMeshOptions& options, Progress& progress);
+InitialMesh make_initial_mesh(const PointCloud& cloud, const InitialMeshOptions& options,
+                              Progress& progress);
 
 }  // namespace shrinkwrap

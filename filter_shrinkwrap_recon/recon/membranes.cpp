@@ -13,8 +13,7 @@ constexpr Index kGrain = 1 << 11;
 // Per vertex: its distance from the samples in spacings, or 0 where a foot nearby shows that it is
 // at most `low`.
 std::vector<float> distances_above(const SurfaceMesh& surface, const SampleFeet& feet,
-                                   const PointCloud& cloud, const VoxelSearch& search, double low,
-                                   Progress& progress) {
+                                   const PointCloud& cloud, double low, Progress& progress) {
   std::vector<float> distance(surface.position.size(), 0.0f);
   parallel_for_each(surface.vertex_slots(), kGrain, progress, [&](Index v) {
     const Vec3& p = surface.position[v];
@@ -28,7 +27,7 @@ std::vector<float> distances_above(const SurfaceMesh& surface, const SampleFeet&
         if ((cloud.position[feet.by_face[i]] - p).squaredNorm() <= enough) return;
       h = surface.rotate(h);
     } while (h != first);
-    const VoxelSearch::Hit hit = search.nearest(p);
+    const VoxelSearch::Hit hit = cloud.search.nearest(p);
     const double spacing =
         std::max(cloud.spacing, static_cast<double>(cloud.local_spacing[hit.index]));
     const double spacings = std::sqrt(hit.squared_distance) / spacing;
@@ -40,9 +39,8 @@ std::vector<float> distances_above(const SurfaceMesh& surface, const SampleFeet&
 }  // namespace
 
 Membranes find_membranes(const SurfaceMesh& surface, const SampleFeet& feet,
-                         const PointCloud& cloud, const VoxelSearch& search, double low,
-                         double high, Progress& progress) {
-  const std::vector<float> distance = distances_above(surface, feet, cloud, search, low, progress);
+                         const PointCloud& cloud, double low, double high, Progress& progress) {
+  const std::vector<float> distance = distances_above(surface, feet, cloud, low, progress);
   Membranes membranes;
   std::vector<Index> stack;
   for (Index seed = 0; seed < surface.vertex_slots(); ++seed) {

@@ -17,7 +17,6 @@ struct Membranes {
 /// vertices, to one farther than `high` (the larger of the median and the local spacing of the
 /// nearest sample). The feet of samples spare most vertices the search. O(V) expected, parallel.
 Membranes find_membranes(const SurfaceMesh& surface, const SampleFeet& feet,
-                         const PointCloud& cloud, const VoxelSearch& search, double low,
-                         double high, Progress& progress);
+                         const PointCloud& cloud, double low, double high, Progress& progress);
 
 }  // namespace shrinkwrap

@@ -45,13 +45,8 @@ struct Distances {
 
 class Fitting {
  public:
-  Fitting(const PointCloud& cloud, const VoxelSearch& search,
-          const ParametricSurfaceOptions& options)
-      : cloud_(cloud),
-        search_(search),
-        options_(options),
-        tangent_(cloud, search),
-        weight_(limit_weights()) {}
+  Fitting(const PointCloud& cloud, const ParametricSurfaceOptions& options)
+      : cloud_(cloud), options_(options), tangent_(cloud), weight_(limit_weights()) {}
 
   // One Jacobi iteration of eq. 14; returns how far the limit positions were from their targets
   // before it.
@@ -111,11 +106,10 @@ class Fitting {
   }
 
   Vec3 nearest_sample(const Vec3& query) const {
-    return cloud_.position[search_.nearest(query).index];
+    return cloud_.position[cloud_.search.nearest(query).index];
   }
 
   const PointCloud& cloud_;
-  const VoxelSearch& search_;
   const ParametricSurfaceOptions& options_;
   TangentTarget tangent_;
   std::array<double, kTableSize> weight_;
@@ -215,12 +209,11 @@ SurfaceMesh loop_subdivide(const SurfaceMesh& mesh, Progress& progress) {
 }
 
 ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud& cloud,
-                                          const VoxelSearch& search,
                                           const ParametricSurfaceOptions& options,
                                           Progress& progress) {
   progress.begin(Stage::parametric_surface);
   ParametricSurface result;
-  const Fitting fitting(cloud, search, options);
+  const Fitting fitting(cloud, options);
   SurfaceMesh mesh = std::move(control);
   Distances distances;
   const auto goes_on = [&](int level) {

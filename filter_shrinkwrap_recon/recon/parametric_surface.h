@@ -3,7 +3,6 @@
 
 #include "point_cloud.h"
 #include "surface_mesh.h"
-#include "voxel_search.h"
 
 namespace shrinkwrap {
 
@@ -52,7 +51,6 @@ SurfaceMesh loop_subdivide(const SurfaceMesh& mesh, Progress& progress);
 
 /// Subdivides and fits. Pre: for tangent_plane, `orient_normals` was called on the cloud.
 ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud& cloud,
-                                          const VoxelSearch& search,
                                           const ParametricSurfaceOptions& options,
                                           Progress& progress);
 

@@ -138,7 +138,7 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   if (options.initial_mesh.start == InitialMeshOptions::Start::bounding_box)
     log.add_layer("bounding box", [&] { return to_result(box_around(cloud), cloud.frame); });
   {
-    InitialMesh initial = make_initial_mesh(cloud, cloud.search, options.initial_mesh, progress);
+    InitialMesh initial = make_initial_mesh(cloud, options.initial_mesh, progress);
     result.initial_mesh = initial.report;
     mesh = std::move(initial.mesh);
     round_to_host(mesh, cloud.frame, options.host_scalar);
@@ -155,7 +155,7 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
     ParametricSurfaceOptions surface_options = options.parametric_surface;
     if (options.stop_at_parametric_surface) surface_options.fine_enough = 0.0;
     ParametricSurface parametric =
-        make_parametric_surface(std::move(mesh), cloud, cloud.search, surface_options, progress);
+        make_parametric_surface(std::move(mesh), cloud, surface_options, progress);
     result.parametric_surface = parametric.report;
     mesh = std::move(parametric.mesh);
     round_to_host(mesh, cloud.frame, options.host_scalar);
@@ -167,7 +167,7 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   } else {
     const SurfaceMesh surface = options.keep_stages ? mesh : SurfaceMesh();
     CompleteMatching matching =
-        match_samples(std::move(mesh), cloud, cloud.search, options.complete_matching, progress);
+        match_samples(std::move(mesh), cloud, options.complete_matching, progress);
     result.complete_matching = matching.report;
     result.openings =
         decide_openings(matching, cloud.size(), cloud.spacing, options.complete_matching, progress);

@@ -101,7 +101,7 @@ Index extra_vertices_kept(const SurfaceMesh& mesh, Index samples,
 
 }  // namespace
 
-CompleteMatching retile(SurfaceMesh parametric, const PointCloud& cloud, const VoxelSearch& search,
+CompleteMatching retile(SurfaceMesh parametric, const PointCloud& cloud,
                         const CompleteMatchingOptions& options, Progress& progress) {
   if (parametric.vertex_count() < parametric.vertex_slots()) parametric.compact(progress);
   const Index samples = cloud.size(), surface_vertices = parametric.vertex_slots();
@@ -113,7 +113,7 @@ CompleteMatching retile(SurfaceMesh parametric, const PointCloud& cloud, const V
   result.report.mean_foot_distance = feet.mean_distance;
   result.report.max_foot_distance = feet.max_distance;
   progress.set_range(0.4, 0.45);
-  const Membranes membranes = find_membranes(parametric, feet, cloud, search, options.membrane_low,
+  const Membranes membranes = find_membranes(parametric, feet, cloud, options.membrane_low,
                                              options.membrane_high, progress);
   result.report.membranes = membranes.count;
 

@@ -9,7 +9,7 @@ namespace shrinkwrap {
 /// that is no sample, and lifts the feet to the samples. The mesh is a closed 2-manifold after
 /// every operation. Membranes stay until the rest is done and are then closed or marked, as
 /// `options.openings` says. See match_samples for the rest.
-CompleteMatching retile(SurfaceMesh parametric, const PointCloud& cloud, const VoxelSearch& search,
+CompleteMatching retile(SurfaceMesh parametric, const PointCloud& cloud,
                         const CompleteMatchingOptions& options, Progress& progress);
 
 }  // namespace shrinkwrap

@@ -41,13 +41,13 @@ bool has_oriented_normals(const PointCloud& cloud) {
 }
 
 std::vector<Wish> choose_samples(const SurfaceMesh& mesh, const PointCloud& cloud,
-                                 const VoxelSearch& search, Progress& progress) {
+                                 Progress& progress) {
   std::vector<Wish> wishes(mesh.position.size());
   const bool by_normal = has_oriented_normals(cloud);
   parallel_blocks(mesh.vertex_slots(), kGrain, progress, [&](Index, Index begin, Index end) {
     std::vector<VoxelSearch::Hit> hits;
     for (Index v = begin; v < end; ++v) {
-      search.k_nearest(mesh.position[v], by_normal ? kCandidates : 1, hits);
+      cloud.search.k_nearest(mesh.position[v], by_normal ? kCandidates : 1, hits);
       VoxelSearch::Hit chosen = hits.front();
       if (by_normal) {
         const Vec3f normal = mesh.vertex_normal(v).cast<float>();
@@ -63,9 +63,8 @@ std::vector<Wish> choose_samples(const SurfaceMesh& mesh, const PointCloud& clou
 }
 
 // Step 1. Vertices that did not get their sample stay where they are.
-Matching snap(SurfaceMesh mesh, const PointCloud& cloud, const VoxelSearch& search,
-              Progress& progress) {
-  const std::vector<Wish> wishes = choose_samples(mesh, cloud, search, progress);
+Matching snap(SurfaceMesh mesh, const PointCloud& cloud, Progress& progress) {
+  const std::vector<Wish> wishes = choose_samples(mesh, cloud, progress);
   std::vector<Index> vertex_of_sample(cloud.position.size(), kNone);
   for (Index v = 0; v < mesh.vertex_slots(); ++v) {
     Index& holder = vertex_of_sample[wishes[v].sample];
@@ -291,8 +290,7 @@ void number_by_samples(Matching& matching, Index samples) {
 }  // namespace
 
 CompleteMatching snap_and_insert(SurfaceMesh parametric, const PointCloud& cloud,
-                                 const VoxelSearch& search, const CompleteMatchingOptions&,
-                                 Progress& progress) {
+                                 const CompleteMatchingOptions&, Progress& progress) {
   if (parametric.vertex_count() < parametric.vertex_slots()) parametric.compact();
   CompleteMatching result;
   progress.set_range(0.0, 0.25);
@@ -302,7 +300,7 @@ CompleteMatching snap_and_insert(SurfaceMesh parametric, const PointCloud& cloud
     result.report.max_foot_distance = feet.max_distance;
   }
   progress.set_range(0.25, 0.35);
-  Matching matching = snap(std::move(parametric), cloud, search, progress);
+  Matching matching = snap(std::move(parametric), cloud, progress);
 
   progress.set_range(0.35, 0.5);
   VertexRemovalReport removal = remove_unmatched(matching, progress);

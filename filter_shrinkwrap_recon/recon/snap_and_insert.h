@@ -21,7 +21,6 @@ namespace shrinkwrap {
 /// the rest. O(N log N) for samples spread over the faces; parallel but for the flips, the same for
 /// any number of threads.
 CompleteMatching snap_and_insert(SurfaceMesh parametric, const PointCloud& cloud,
-                                 const VoxelSearch& search, const CompleteMatchingOptions& options,
-                                 Progress& progress);
+                                 const CompleteMatchingOptions& options, Progress& progress);
 
 }  // namespace shrinkwrap

@@ -119,13 +119,13 @@ Index TangentTarget::walk(const Vec3& query, const Vec3f& normal, Index from) co
 // The nearest compatible sample if there is one not much farther than the nearest of all, else that
 // one: a far compatible sample belongs to another part of the surface.
 Index TangentTarget::search_all(const Vec3& query, const Vec3f& normal) const {
-  const VoxelSearch::Hit any = search_.nearest(query);
+  const VoxelSearch::Hit any = cloud_.search.nearest(query);
   if (is_compatible(any.index, normal)) return any.index;
   const double spacing =
       std::max(cloud_.spacing, static_cast<double>(cloud_.local_spacing[any.index]));
   const VoxelSearch::Hit hit =
-      search_.nearest_if(query, std::sqrt(any.squared_distance) + options_.reach * spacing,
-                         [&](Index sample) { return is_compatible(sample, normal); });
+      cloud_.search.nearest_if(query, std::sqrt(any.squared_distance) + options_.reach * spacing,
+                               [&](Index sample) { return is_compatible(sample, normal); });
   return hit.index == kNone ? any.index : hit.index;
 }
 

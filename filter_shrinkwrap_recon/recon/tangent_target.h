@@ -2,7 +2,6 @@
 #pragma once
 
 #include "point_cloud.h"
-#include "voxel_search.h"
 
 namespace shrinkwrap {
 
@@ -22,11 +21,9 @@ struct TangentTargetOptions {
 /// the vertex belongs to a membrane, which is only smoothed.
 class TangentTarget {
  public:
-  /// Pre: `orient_normals` was called on the cloud; `search` was made of cloud.position. Both must
-  /// outlive the object.
-  TangentTarget(const PointCloud& cloud, const VoxelSearch& search,
-                const TangentTargetOptions& options = {})
-      : cloud_(cloud), search_(search), options_(options) {}
+  /// Pre: `orient_normals` was called on the cloud, which must outlive the object.
+  TangentTarget(const PointCloud& cloud, const TangentTargetOptions& options = {})
+      : cloud_(cloud), options_(options) {}
 
   struct Target {
     Vec3 point;                ///< where to go; the query itself if `is_membrane`
@@ -47,7 +44,6 @@ class TangentTarget {
   Index search_all(const Vec3& query, const Vec3f& normal) const;
 
   const PointCloud& cloud_;
-  const VoxelSearch& search_;
   TangentTargetOptions options_;
 };
 
