@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "script_figures.h"
 #include "shapes.h"
 
 namespace {
@@ -197,11 +198,12 @@ TEST(FilterRuns, FiguresForScriptsHaveFixedTypes) {
   const FilterOutcome outcome = run(Filter::reconstruct, input);
   int times = 0;
   for (const auto& [name, value] : outcome.figures) {
-    const bool is_time = name.rfind("seconds_", 0) == 0;
-    EXPECT_EQ(std::holds_alternative<double>(value), is_time || name == "noise") << name;
-    times += is_time;
+    EXPECT_EQ(std::holds_alternative<double>(value), is_real_figure(name)) << name;
+    times += name.rfind("seconds_", 0) == 0;
   }
   EXPECT_EQ(times, 10) << "nine stages and the total";
+  for (const char* name : kScriptFigures) EXPECT_EQ(outcome.figures.count(name), 1u) << name;
+  EXPECT_EQ(outcome.figures.size(), kScriptFigures.size() + 9);
   EXPECT_EQ(std::get<Index>(outcome.figures.at("genus")), 1);
   EXPECT_EQ(std::get<Index>(outcome.figures.at("samples_matched")), 1000);
   EXPECT_EQ(std::get<Index>(outcome.figures.at("self_intersecting_faces")), 0);

@@ -27,6 +27,7 @@
 #include <wrap/ply/plylib.cpp>
 
 #include "python_table.h"
+#include "script_figures.h"
 
 #if SHRINKWRAP_MESHLAB_GENERATION == 2021
 #include <common/globals.h>
@@ -155,13 +156,11 @@ void print_values(const char* title, const Values& values) {
 // Names and types as documented: a script may rely on them.
 void expect_documented(const Values& values) {
   if (!kHasResultMap) return;
-  for (const char* name :
-       {"vertices", "faces", "components", "genus", "border_loops", "self_intersecting_faces",
-        "samples", "samples_matched", "samples_missing", "extra_vertices", "seconds_total"})
+  for (const char* name : shrinkwrap::testing::kScriptFigures)
     expect(values.count(name) == 1, std::string("a value ") + name);
   for (const auto& [name, value] : values) {
-    const bool is_time = name.rfind("seconds_", 0) == 0;
-    expect(std::strcmp(value.typeName(), is_time ? "double" : "int") == 0,
+    const char* const type = shrinkwrap::testing::is_real_figure(name) ? "double" : "int";
+    expect(std::strcmp(value.typeName(), type) == 0,
            name + " to be of its type, not " + value.typeName());
   }
 }
