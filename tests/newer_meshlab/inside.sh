@@ -51,10 +51,10 @@ cat /builtins.md
 
 echo "--- the window"
 mkdir -p /pictures
-unset QT_QPA_PLATFORM XDG_RUNTIME_DIR
 # Displays of the system around the chroot may have the usual numbers; a display without clients must not start anew,
 # which would end what is about to become one.
-xvfb-run -n $((1000 + $$ % 5000)) -s "-screen 0 1400x950x24 +extension GLX -noreset" dbus-run-session -- \
+env -u QT_QPA_PLATFORM -u XDG_RUNTIME_DIR \
+  xvfb-run -n $((1000 + $$ % 5000)) -s "-screen 0 1400x950x24 +extension GLX -noreset" dbus-run-session -- \
   python3 /source/tests/newer_meshlab/window.py "$build/stage/bin/meshlab" /cloud.ply /window.ply /pictures
 "$build/tests/meshlabserver/mesh_checker" /window.ply /cloud.ply >/window.txt
 for part in 'closed 1' 'manifold 1' 'outward 1' 'complete 1'; do
