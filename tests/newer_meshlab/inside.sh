@@ -12,6 +12,9 @@ plugins=$(echo /usr/lib/*/meshlab/plugins)
 # Releases of Eigen sum in different orders: with one and the same, the meshes must be the same.
 eigen=-DEigen3_DIR=/eigen/share/eigen3/cmake
 
+# Of the run before, in a chroot that was kept: to overwrite a mesh, the window would ask first.
+rm -f /functions.md /builtins.md /mesh.dump /mesh_double.dump /window.ply /window.dump
+
 echo "--- the plugin, for this release's own sources"
 configure "$build" -DSHRINKWRAP_BUILD_PLUGIN=ON -DSHRINKWRAP_BUILD_TESTS=ON "$eigen"
 compile "$build" filter_shrinkwrap_recon scripting_driver plugin_test mesh_checker
