@@ -1,9 +1,9 @@
 #!/bin/sh
-# inside.sh NAME PLUGIN: the part of run.sh that sees a view of the system of its own. /tmp has package.deb, cloud.ply
-# and script.mlx.
+# inside.sh NAME PLUGIN: the part of run.sh that sees a view of the system of its own. Beside it are package.deb,
+# cloud.ply and script.mlx.
 set -eu
 name=$1 plugin=$2
-cd /tmp
+cd "$(dirname "$0")"
 
 fail() {
   echo "inside.sh: $*" >&2
