@@ -25,7 +25,7 @@ fi
 [ -n "$version" ] || fail "MeshLab is not installed (apt: meshlab)"
 
 mkdir -p "$(dirname "$target")"
-work=$(mktemp -d "$(dirname "$target")/fetch.XXXXXX")
+work=$(mktemp -d -p "$(dirname "$target")")
 trap 'rm -rf "$work"' EXIT
 trap 'exit 1' HUP INT TERM
 mkdir -p "$work/lists/partial" "$work/cache/archives/partial" "$work/parts" "$work/source"

@@ -237,9 +237,10 @@ reconstruct() {
   elif [ ! -s "$mesh" ]; then
     give_up "MeshLab did not write the mesh: can it write the format .${target##*.}?"
   else
-    # Beside the target first, so that a name never stands for half a file.
-    beside=$(mktemp "${target_folder:-/}/.shrink_wrap.XXXXXX") || { give_up "$target_folder cannot be written to"; return; }
-    if cp "$mesh" "$beside" && chmod "$(printf %o $((0666 & ~$(umask))))" "$beside" && mv -f "$beside" "$target"; then
+    # Beside the target first, so that a name never stands for half a file; never into a file that is there (-C).
+    beside=${target_folder:-}/.shrink_wrap.$$.${job##*/}
+    (set -C && : >"$beside") 2>/dev/null || { give_up "$target_folder cannot be written to"; return; }
+    if cat "$mesh" >"$beside" && mv -f "$beside" "$target"; then
       printf 'done: %s\n' "$verdict" >"$job/status"
     else
       rm -f "$beside"
