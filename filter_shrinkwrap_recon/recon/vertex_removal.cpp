@@ -42,7 +42,7 @@ class VertexRemover {
   }
 
   // For a vertex that no collapse removes: takes edges from it until one does.
-  bool remove_stubborn(Index v) {
+  bool remove_after_flips(Index v) {
     for (const bool may_turn : {false, true}) {
       while (mesh_.valence(v) > 3) {
         if (!flip_one_edge_away(v, may_turn)) break;
@@ -128,7 +128,7 @@ VertexRemovalReport remove_vertices(SurfaceMesh& mesh, const VertexBlocks& block
         before = vertices.size();
         std::size_t kept = 0;
         for (const Index v : vertices) {
-          if (!remover.remove_stubborn(v)) vertices[kept++] = v;
+          if (!remover.remove_after_flips(v)) vertices[kept++] = v;
           progress.update(1.0);
         }
         vertices.resize(kept);
