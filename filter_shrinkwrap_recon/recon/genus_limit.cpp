@@ -1,8 +1,8 @@
 #include "genus_limit.h"
 
 #include <algorithm>
-#include <numeric>
 
+#include "disjoint_sets.h"
 #include "parallel.h"
 
 namespace shrinkwrap {
@@ -62,26 +62,6 @@ class PathTree {
   std::vector<Index> reached_;
 };
 
-class FaceSets {
- public:
-  explicit FaceSets(Index faces) : parent_(static_cast<std::size_t>(faces)) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  bool unite(Index a, Index b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-    return a != b;
-  }
-
- private:
-  Index find(Index i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  std::vector<Index> parent_;
-};
-
 // The shortest loop through `root`, up to where its two ends part, that does not separate the
 // surface; empty if its component has no handle. The edges outside the path tree join faces, those
 // of long loops first; what joins nothing new closes a loop around or through a handle.
@@ -97,7 +77,7 @@ std::vector<Index> loop_through(const SurfaceMesh& mesh, Index root, Progress& p
     return a.first != b.first ? a.first > b.first : a.second < b.second;
   });
   progress.update(0.0);
-  FaceSets sets(mesh.face_slots());
+  DisjointSets sets(mesh.face_slots());
   std::vector<Index> shortest;
   for (const auto& [length, h] : edges) {
     if (sets.unite(SurfaceMesh::face(h), SurfaceMesh::face(mesh.twin(h)))) continue;

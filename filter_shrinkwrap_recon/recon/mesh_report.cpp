@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numeric>
 
 #include "buckets.h"
 #include "coordinate_matches.h"
+#include "disjoint_sets.h"
 #include "parallel.h"
 #include "self_intersection.h"
 #include "shared_sets.h"
@@ -16,32 +16,6 @@ namespace {
 
 constexpr Index kGrain = 1 << 12;
 constexpr Index kUpdateInterval = 1 << 16;
-
-class DisjointSets {
- public:
-  explicit DisjointSets(Index count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  void clear(Index count) {
-    parent_.resize(count);
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  Index find(Index i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  /// Returns false if the two were together already. The lower one stays the representative.
-  bool unite(Index a, Index b) {
-    a = find(a);
-    b = find(b);
-    if (a == b) return false;
-    parent_[std::max(a, b)] = std::min(a, b);
-    return true;
-  }
-
- private:
-  std::vector<Index> parent_;
-};
 
 bool is_degenerate(const Triangle& t, Index vertices) {
   if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return true;
@@ -121,7 +95,7 @@ class StarWalker {
     const Index first = incidence_.begin[v];
     const Index faces = incidence_.begin[v + 1] - first;
     gather_spokes(first, faces);
-    together_.clear(faces);
+    together_.reset(faces);
     Index fans = faces;
     bool edges_are_manifold = true;
     for (std::size_t i = 0; i < spokes_.size();) {

@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include "parallel.h"
+#include "shared_sets.h"
 
 namespace shrinkwrap {
 namespace {
 
 constexpr Index kGrain = 1 << 12;
-constexpr Index kUnionsPerUpdate = 1 << 14;
 constexpr int kJoinedNeighbours = 6;  // of a core sample, before the small sets are looked at again
 constexpr int kLeastNeighbours = 4;
 constexpr Index kLeastSamples = 64;  // fewer tell nothing of what is dense
@@ -20,26 +20,6 @@ constexpr double kOwnRoughness =
 // neighbourhood of k to about h / sqrt(k).
 constexpr double kGapOfHeight = 0.8, kDeviationOfHeight = 0.15;
 constexpr double kPi = 3.14159265358979323846;
-
-// Union-find; the lowest sample of a set is its root.
-class Sets {
- public:
-  explicit Sets(Index count) : parent_(static_cast<std::size_t>(count)) {
-    for (Index i = 0; i < count; ++i) parent_[i] = i;
-  }
-  Index find(Index i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(Index a, Index b) {
-    a = find(a);
-    b = find(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<Index> parent_;
-};
 
 class OutlierSearch {
  public:
@@ -97,13 +77,12 @@ class OutlierSearch {
 
   void join_core() {
     const int joined = std::min(kJoinedNeighbours, cloud_.neighbour_count - 1);
-    for (Index i = 0; i < cloud_.size(); ++i) {
-      if (i % kUnionsPerUpdate == 0) progress_.update(static_cast<double>(i) / cloud_.size());
-      if (!core_[i]) continue;
+    parallel_for_each(cloud_.size(), kGrain, progress_, [&](Index i) {
+      if (!core_[i]) return;
       const Index* list = cloud_.neighbours_of(i);
       for (int e = 1; e <= joined; ++e)
-        if (core_[list[e]] && are_within(options_.reach, i, list[e])) sets_.join(i, list[e]);
-    }
+        if (core_[list[e]] && are_within(options_.reach, i, list[e])) sets_.unite(i, list[e]);
+    });
     count_sets();
   }
 
@@ -129,7 +108,7 @@ class OutlierSearch {
                                 [&](Index j) { return core_[j] && set[j] != own; });
     });
     for (std::size_t n = 0; n < small.size(); ++n)
-      if (other[n] != kNone) sets_.join(small[n], other[n]);
+      if (other[n] != kNone) sets_.unite(small[n], other[n]);
     count_sets();
   }
 
@@ -228,7 +207,7 @@ class OutlierSearch {
   const double spacings_per_radius_ = std::sqrt((cloud_.neighbour_count - 1) / kPi);
   const Index smallest_ = std::min(options_.smallest_set, std::max<Index>(cloud_.size() / 100, 4));
   std::vector<char> core_, kept_;
-  Sets sets_{cloud_.size()};
+  SharedSets sets_{cloud_.size(), progress_};
   std::vector<Index> size_;  // of the set, at its root
 };
 
