@@ -70,12 +70,13 @@ double fraction_with_solid_behind(const PointCloud& cloud, const VoxelSolid& sol
   return static_cast<double>(supported) / cloud.size();
 }
 
-// Leaves out the components that fewer than `min_samples` samples support, each sample the one that
-// is nearest to it; never the best supported. Returns how many were left out.
-Index drop_unsupported(SurfaceMesh& mesh, const PointCloud& cloud, double reach, Index min_samples,
-                       Progress& progress) {
-  const MeshComponents components = connected_components(mesh, progress);
-  if (components.count < 2) return 0;
+// Which components at least `min_samples` samples support, each sample the one that is nearest to
+// it; always the best supported.
+std::vector<char> find_supported(const SurfaceMesh& mesh, const MeshComponents& components,
+                                 const PointCloud& cloud, double reach, Index min_samples,
+                                 Progress& progress) {
+  std::vector<char> is_kept(static_cast<std::size_t>(components.count), 1);
+  if (components.count < 2) return is_kept;
   const VoxelSearch vertices(mesh.position, progress);
   std::vector<Index> supported(cloud.position.size(), kNone);
   parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
@@ -83,15 +84,20 @@ Index drop_unsupported(SurfaceMesh& mesh, const PointCloud& cloud, double reach,
     if (nearest.squared_distance <= reach * reach)
       supported[i] = components.of_vertex[nearest.index];
   });
-  std::vector<Index> support(static_cast<std::size_t>(components.count), 0);
+  std::vector<Index> support(is_kept.size(), 0);
   for (const Index component : supported)
     if (component != kNone) ++support[component];
   const Index needed = std::min(min_samples, *std::max_element(support.begin(), support.end()));
+  for (std::size_t c = 0; c < support.size(); ++c) is_kept[c] = support[c] >= needed;
+  return is_kept;
+}
 
+SurfaceMesh kept_components(const SurfaceMesh& mesh, const MeshComponents& components,
+                            const std::vector<char>& is_kept, Progress& progress) {
   std::vector<Index> new_index(mesh.position.size(), kNone);
   std::vector<Vec3> position;
   for (Index v = 0; v < mesh.vertex_slots(); ++v) {
-    if (support[components.of_vertex[v]] < needed) continue;
+    if (!is_kept[components.of_vertex[v]]) continue;
     new_index[v] = static_cast<Index>(position.size());
     position.push_back(mesh.position[v]);
   }
@@ -101,9 +107,34 @@ Index drop_unsupported(SurfaceMesh& mesh, const PointCloud& cloud, double reach,
     for (Index& v : triangle) v = new_index[v];
     triangles.push_back(triangle);
   }
-  mesh = SurfaceMesh::from_triangles(std::move(position), triangles, progress);
-  return static_cast<Index>(
-      std::count_if(support.begin(), support.end(), [&](Index count) { return count < needed; }));
+  return SurfaceMesh::from_triangles(std::move(position), triangles, progress);
+}
+
+// Six times the volume that each component encloses; negative for a cavity.
+std::vector<double> volumes_of(const SurfaceMesh& mesh, const MeshComponents& components) {
+  std::vector<double> volume(static_cast<std::size_t>(components.count), 0.0);
+  const auto& p = mesh.position;
+  for (Index f = 0; f < mesh.face_slots(); ++f) {
+    const Triangle t = mesh.triangle(f);
+    volume[components.of_vertex[t[0]]] += p[t[0]].dot(p[t[1]].cross(p[t[2]]));
+  }
+  return volume;
+}
+
+// Leaves out the components with too little support, and reports what there is.
+void keep_supported(InitialMesh& boundary, const PointCloud& cloud, double reach, Index min_samples,
+                    Progress& progress) {
+  SurfaceMesh& mesh = boundary.mesh;
+  InitialMeshReport& report = boundary.report;
+  const MeshComponents components = connected_components(mesh, progress);
+  const std::vector<char> is_kept =
+      find_supported(mesh, components, cloud, reach, min_samples, progress);
+  const std::vector<double> volume = volumes_of(mesh, components);
+  report.components = report.cavities = report.dropped = 0;
+  for (std::size_t c = 0; c < is_kept.size(); ++c)
+    ++(!is_kept[c] ? report.dropped : volume[c] > 0.0 ? report.components : report.cavities);
+  if (report.dropped > 0) mesh = kept_components(mesh, components, is_kept, progress);
+  report.genus = report.components + report.cavities - mesh.euler_characteristic() / 2;
 }
 
 // The boundary of the voxel solid of one voxel size.
@@ -111,41 +142,21 @@ InitialMesh solid_boundary(const PointCloud& cloud, const WindingNumber& winding
                            const InitialMeshOptions& options, Progress& progress) {
   InitialMesh result;
   VoxelSolid solid = make_voxel_solid(cloud, winding, options, progress);
-  const auto boundary = [&](Index min_samples) {
+  const auto take_boundary = [&](Index min_samples) {
     make_well_composed(solid.image, progress);
-    SurfaceMesh mesh = boundary_of(solid.image, solid.lattice, progress);
-    result.report.dropped =
-        drop_unsupported(mesh, cloud, kSupportReach * solid.lattice.size, min_samples, progress);
-    return mesh;
+    result.mesh = boundary_of(solid.image, solid.lattice, progress);
+    keep_supported(result, cloud, kSupportReach * solid.lattice.size, min_samples, progress);
   };
   progress.set_range(0.6, 0.7);
-  result.mesh = boundary(std::clamp<Index>(cloud.size() / 100, 4, options.min_component_samples));
+  take_boundary(std::clamp<Index>(cloud.size() / 100, 4, options.min_component_samples));
   result.report.samples_with_solid_behind = fraction_with_solid_behind(cloud, solid, progress);
   if (result.mesh.face_count() == 0) {
     solid.image.mask = solid.near_samples;
     solid.image.mask.resize(static_cast<std::size_t>(solid.image.bricks.size()), 0);
-    result.mesh = boundary(1);
+    take_boundary(1);
   }
   result.report.voxel_size = options.voxel_size;
   return result;
-}
-
-struct Parts {
-  Index bodies = 0, cavities = 0;
-};
-
-// Components by the sign of the volume that they enclose.
-Parts count_parts(const SurfaceMesh& mesh, Progress& progress) {
-  const MeshComponents components = connected_components(mesh, progress);
-  std::vector<double> volume(static_cast<std::size_t>(components.count), 0.0);
-  for (Index f = 0; f < mesh.face_slots(); ++f) {
-    const Triangle t = mesh.triangle(f);
-    const auto& p = mesh.position;
-    volume[components.of_vertex[t[0]]] += p[t[0]].dot(p[t[1]].cross(p[t[2]]));
-  }
-  Parts parts;
-  for (const double v : volume) ++(v > 0.0 ? parts.bodies : parts.cavities);
-  return parts;
 }
 
 // The boundary that the evidence speaks for: a handle of the object is there at either voxel size,
@@ -155,16 +166,13 @@ InitialMesh most_plausible_boundary(const PointCloud& cloud, const InitialMeshOp
   progress.set_range(0.0, 0.0);
   const WindingNumber winding(cloud, progress);
   InitialMesh first = solid_boundary(cloud, winding, options, progress);
-  first.report.genus = genus_of(first.mesh, progress);
   if (first.report.genus == 0 || options.second_voxel_ratio <= 0.0) return first;
   InitialMeshOptions finer = options;
   finer.voxel_size *= options.second_voxel_ratio;
   InitialMesh second = solid_boundary(cloud, winding, finer, progress);
-  second.report.genus = genus_of(second.mesh, progress);
-  const Parts parts = count_parts(first.mesh, progress),
-              second_parts = count_parts(second.mesh, progress);
-  if (second.report.genus >= first.report.genus || second_parts.bodies < parts.bodies ||
-      second_parts.cavities < parts.cavities)
+  if (second.report.genus >= first.report.genus ||
+      second.report.components < first.report.components ||
+      second.report.cavities < first.report.cavities)
     return first;
   second.report.handles_refuted = first.report.genus - second.report.genus;
   return second;
@@ -181,9 +189,6 @@ InitialMesh make_initial_mesh(const PointCloud& cloud, const InitialMeshOptions&
   if (result.mesh.face_count() == 0)
     throw ReconstructionFailed(
         "no solid was found around the samples: try a larger voxel size or a lower level");
-  const Parts parts = count_parts(result.mesh, progress);
-  result.report.components = parts.bodies;
-  result.report.cavities = parts.cavities;
   if (options.maximum_genus >= 0 && result.report.genus > options.maximum_genus) {
     result.report.handles_cut = limit_genus(result.mesh, options.maximum_genus, progress);
     result.report.genus -= result.report.handles_cut;
