@@ -1,8 +1,7 @@
 #include "surface_mesh.h"
 
 #include <algorithm>
-#include <cstdint>
-#include <limits>
+#include <atomic>
 
 #include "buckets.h"
 #include "morton.h"
@@ -326,50 +325,43 @@ void SurfaceMesh::renumber(const std::vector<Index>& new_index, Progress& progre
 }
 
 bool SurfaceMesh::is_consistent() const {
-  constexpr Index kBroken = std::numeric_limits<Index>::min();
-  const auto summed = [](const std::vector<Index>& partial) {
-    std::int64_t sum = 0;
-    for (const Index part : partial) sum = part == kBroken || sum < 0 ? -1 : sum + part;
-    return sum;
-  };
   Progress silent;
+  std::atomic<bool> is_broken{false};
   const Index halfedges = halfedge_slots();
-  std::vector<Index> live(block_count(halfedges, kGrain), 0);
-  parallel_blocks(halfedges, kGrain, silent, [&](Index block, Index begin, Index end) {
+  const Index live = parallel_sum(halfedges, kGrain, silent, Index{0}, [&](Index begin, Index end) {
+    Index count = 0;
     for (Index h = begin; h < end; ++h) {
       if (origin_[h] == kNone) continue;
-      ++live[block];
+      ++count;
       const Index o = twin_[h];
       if (o < 0 || o >= halfedges || o == h || twin_[o] != h || origin_[o] != target(h) ||
-          target(o) != origin_[h]) {
-        live[block] = kBroken;
-        return;
-      }
+          target(o) != origin_[h])
+        is_broken = true;
     }
+    return count;
   });
-  const std::int64_t all = summed(live);
-  if (all < 0) return false;
+  if (is_broken) return false;
   // One fan per vertex: the half-edges met while walking around every vertex are all there are.
   // Links in pairs always lead back to where a walk began.
-  std::vector<Index> walked(block_count(vertex_slots(), kGrain), 0);
-  parallel_blocks(vertex_slots(), kGrain, silent, [&](Index block, Index begin, Index end) {
-    for (Index v = begin; v < end; ++v) {
-      if (is_removed_vertex(v)) continue;
-      const Index first = outgoing_[v];
-      bool broken = first < 0 || first >= halfedges;
-      for (Index h = first; !broken;) {
-        ++walked[block];
-        broken = origin_[h] != v;
-        h = rotate(h);
-        if (h == first) break;
-      }
-      if (broken) {
-        walked[block] = kBroken;
-        return;
-      }
-    }
-  });
-  return summed(walked) == all;
+  const Index walked =
+      parallel_sum(vertex_slots(), kGrain, silent, Index{0}, [&](Index begin, Index end) {
+        Index count = 0;
+        for (Index v = begin; v < end; ++v) {
+          if (is_removed_vertex(v)) continue;
+          const Index first = outgoing_[v];
+          Index h = first;
+          do {
+            if (h < 0 || h >= halfedges || origin_[h] != v) {
+              is_broken = true;
+              break;
+            }
+            ++count;
+            h = rotate(h);
+          } while (h != first);
+        }
+        return count;
+      });
+  return !is_broken && walked == live;
 }
 
 std::vector<Triangle> SurfaceMesh::triangles() const {
