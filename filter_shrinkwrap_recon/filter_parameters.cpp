@@ -266,9 +266,9 @@ std::vector<Parameter> reconstruct_parameters() {
                        "(unless the points bring a quality of their own), and the face quality of "
                        "faces that span an opening their longest edge in sample spacings: see "
                        "them with \"Colorize by vertex Quality\". Takes about twice the memory.")),
+      widest_opening(),
+      maximum_genus(),
   };
-  list.push_back(widest_opening());
-  list.push_back(maximum_genus());
   append(list, solid_parameters());
   list.push_back(repair_intersections());
   return list;
@@ -369,8 +369,7 @@ std::vector<Parameter> parameters_of(Filter filter) {
       list = reconstruct_parameters();
       break;
     case Filter::initial_mesh:
-      list = {samples_layer(), selected_only(), exclude_outliers(), method()};
-      list.push_back(maximum_genus());
+      list = {samples_layer(), selected_only(), exclude_outliers(), method(), maximum_genus()};
       append(list, solid_parameters());
       append(list, shrink_parameters());
       break;
@@ -382,11 +381,10 @@ std::vector<Parameter> parameters_of(Filter filter) {
       break;
     case Filter::parametric_surface:
       list = {
-          samples_layer(), mesh_layer("The control mesh: a closed 2-manifold. It is not changed."),
-          selected_only(), exclude_outliers(),
-          method(),        neighbours()};
-      list.push_back(fit_iterations());
-      list.push_back(attraction());
+          samples_layer(),  mesh_layer("The control mesh: a closed 2-manifold. It is not changed."),
+          selected_only(),  exclude_outliers(),
+          method(),         neighbours(),
+          fit_iterations(), attraction()};
       break;
     case Filter::complete_matching:
       list = {samples_layer(),
