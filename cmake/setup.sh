@@ -36,6 +36,17 @@ require_packages() {
   } || die "the packages could not be installed:$missing"
 }
 
+# The interpreter that has a module, if any has: the first in the path need not be that of the packages.
+python_with() {
+  for python in python3 /usr/bin/python3; do
+    if "$python" -c "import $1" 2>/dev/null; then
+      echo "$python"
+      return
+    fi
+  done
+  echo python3
+}
+
 # configure FOLDER [cmake options]: quick when it was done before. Output only if it fails.
 configure() {
   folder=$1
@@ -51,6 +62,7 @@ compile() {
   quietly "$folder/compile.log" cmake --build "$folder" --parallel "$(nproc)" ${1:+--target} "$@"
 }
 
+# quietly LOG command...: output only if it fails: its last lines, and where the rest is.
 quietly() {
   log=$1
   shift

@@ -179,6 +179,18 @@ Vec3 Random::direction() {
   }
 }
 
+Vec3 outward_normal(const ImplicitFunction& implicit, const Vec3& p) {
+  constexpr double step = 1e-5;
+  Vec3 gradient;
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 ahead = p, behind = p;
+    ahead[axis] += step;
+    behind[axis] -= step;
+    gradient[axis] = implicit(ahead) - implicit(behind);
+  }
+  return gradient.normalized();
+}
+
 ImplicitSamples sample_implicit(const ImplicitFunction& implicit, const SamplingDomain& domain,
                                 Index count, Random& random) {
   ImplicitSamples samples;
@@ -294,15 +306,7 @@ double Shape::implicit(const Vec3& p) const {
 }
 
 Vec3 Shape::normal(const Vec3& p) const {
-  constexpr double step = 1e-5;
-  Vec3 gradient;
-  for (int axis = 0; axis < 3; ++axis) {
-    Vec3 ahead = p, behind = p;
-    ahead[axis] += step;
-    behind[axis] -= step;
-    gradient[axis] = implicit(ahead) - implicit(behind);
-  }
-  return gradient.normalized();
+  return outward_normal([this](const Vec3& q) { return implicit(q); }, p);
 }
 
 SamplingDomain Shape::domain() const {

@@ -32,6 +32,9 @@ class Random {
 /// its absolute value.
 using ImplicitFunction = std::function<double(const Vec3&)>;
 
+/// Unit gradient at a point of the surface, by central differences.
+Vec3 outward_normal(const ImplicitFunction& implicit, const Vec3& p);
+
 /// Part of space in which a surface lies: a ball about the origin, of which `keep` may drop a part
 /// (then the surface is open). No `keep`: everything.
 struct SamplingDomain {
@@ -82,7 +85,7 @@ struct Shape {
   double radius;
 
   double implicit(const Vec3& p) const;  ///< near the surface about the signed distance
-  Vec3 normal(const Vec3& p) const;      ///< unit, outward, by central differences
+  Vec3 normal(const Vec3& p) const;      ///< unit, outward
   SamplingDomain domain() const;
 };
 Shape shape_of(ShapeKind kind);

@@ -13,12 +13,4 @@ require_packages $host_packages $test_packages python3-matplotlib
 configure "$build" -DSHRINKWRAP_BUILD_PLUGIN=ON -DSHRINKWRAP_BUILD_TESTS=ON
 compile "$build" benchmarks filter_shrinkwrap_recon
 
-# The interpreter that has the plotting package, if any has.
-python=python3
-for candidate in python3 /usr/bin/python3; do
-  if "$candidate" -c 'import matplotlib' 2>/dev/null; then
-    python=$candidate
-    break
-  fi
-done
-exec "$python" "$root/tests/benchmark/run.py" --build "$build" "$@"
+exec "$(python_with matplotlib)" "$root/tests/benchmark/run.py" --build "$build" "$@"

@@ -18,12 +18,4 @@ require_packages $host_packages $test_packages
 configure "$build" -DSHRINKWRAP_BUILD_PLUGIN=ON -DSHRINKWRAP_BUILD_TESTS=ON
 compile "$build" filter_shrinkwrap_recon add_noise make_truth
 
-# The interpreter that has VTK, if any has.
-renderer=python3
-for candidate in python3 /usr/bin/python3; do
-  if "$candidate" -c 'import vtk' 2>/dev/null; then
-    renderer=$candidate
-    break
-  fi
-done
-exec python3 "$root/tests/compare/run.py" --build "$build" --renderer "$renderer" "$@"
+exec python3 "$root/tests/compare/run.py" --build "$build" --renderer "$(python_with vtk)" "$@"

@@ -100,28 +100,18 @@ leave() {
   [ -n "$keep" ] || rm -rf --one-file-system "${place:?}/$suite"
 }
 
-# Output only if it fails: its last lines, and where the rest is.
-logged() {
-  log=$1
-  shift
-  "$@" >"$log" 2>&1 || {
-    tail -n 40 "$log" >&2
-    die "$suite: this failed: $* (all of its output: $log)"
-  }
-}
-
 make_chroot() {
   if [ ! -f "$place/$suite/complete" ]; then
     leave
     rm -rf --one-file-system "${place:?}/$suite"
-    logged "$place/$suite.bootstrap.log" debootstrap --variant=minbase "$suite" "$place/$suite" "$mirror"
+    quietly "$place/$suite.bootstrap.log" debootstrap --variant=minbase "$suite" "$place/$suite" "$mirror"
     # A kept copy of an archive may be older than its own expiry date says it should be.
     echo 'Acquire::Check-Valid-Until "false";' >"$place/$suite/etc/apt/apt.conf.d/99valid"
-    logged "$place/$suite.update.log" inside apt-get -q update
+    quietly "$place/$suite.update.log" inside apt-get -q update
     # shellcheck disable=SC2086  # a list of words
-    logged "$place/$suite.packages.log" inside apt-get -q -y --no-install-recommends install $chroot_packages
+    quietly "$place/$suite.packages.log" inside apt-get -q -y --no-install-recommends install $chroot_packages
     # With what it recommends: libraries without which some of its own plugins do not load, and it says so in a window.
-    logged "$place/$suite.meshlab.log" inside apt-get -q -y install meshlab
+    quietly "$place/$suite.meshlab.log" inside apt-get -q -y install meshlab
     touch "$place/$suite/complete"
   fi
   mountpoint -q "$place/$suite/proc" || mount -t proc proc "$place/$suite/proc"
@@ -129,6 +119,7 @@ make_chroot() {
 
 try_suite() {
   make_chroot
+  # shellcheck disable=SC2016  # the braces are dpkg-query's
   version=$(inside dpkg-query -W -f='${Version}' meshlab)
   say "$suite: MeshLab $version"
   rm -rf "${place:?}/$suite/source" "$place/$suite/pictures"

@@ -38,7 +38,7 @@ std::vector<Vec3> on_scan_lines(const Solid& solid, const std::vector<Vec3>& sam
     p.z() = distance * (std::floor(p.z() / distance) + 0.5);
     double value = solid.implicit(p);
     for (int step = 0; step < 20 && std::abs(value) > 1e-9; ++step) {
-      Vec3 direction = solid.normal(p);
+      Vec3 direction = testing::outward_normal(solid.implicit, p);
       direction.z() = 0.0;
       const double slope = direction.norm();
       if (slope < 0.2) break;

@@ -98,18 +98,6 @@ Solid balls(std::string name, int n, int layers, double radius) {
 
 }  // namespace
 
-Vec3 Solid::normal(const Vec3& p) const {
-  constexpr double step = 1e-5;
-  Vec3 gradient;
-  for (int axis = 0; axis < 3; ++axis) {
-    Vec3 ahead = p, behind = p;
-    ahead[axis] += step;
-    behind[axis] -= step;
-    gradient[axis] = implicit(ahead) - implicit(behind);
-  }
-  return gradient.normalized();
-}
-
 Solid solid_of(SolidKind kind, double drawn) {
   const double thickness = between(0.02, 0.3, drawn);
   switch (kind) {

@@ -20,8 +20,6 @@ struct Solid {
   double radius = 1.0;
   testing::ImplicitFunction implicit;
   testing::SamplingDomain domain;
-
-  Vec3 normal(const Vec3& p) const;  ///< unit, outward, by central differences
 };
 
 enum class SolidKind {
