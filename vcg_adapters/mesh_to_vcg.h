@@ -46,8 +46,9 @@ constexpr bool has_normals() {
 /// vertex of the cloud has (of the components that both meshes have enabled: colour, quality,
 /// radius, texture coordinates ..., and custom attributes of type float, double, int and
 /// vcg::Point3): extra vertices get the defaults. Coordinates are the result's, normals, if there
-/// are any, are computed and point outwards (points without faces keep theirs), nothing is selected but `marked_faces`; the bounding
-/// box is updated. Pre: `result` was made from `points` of `cloud`. O(V + F).
+/// are any, are computed and point outwards (points without faces keep theirs), nothing is selected
+/// but `marked_faces`; the bounding box is updated. Pre: `result` was made from `points` of
+/// `cloud`. O(V + F).
 template <class CloudMesh, class Mesh>
 void mesh_to_vcg(const ResultMesh& result, const CloudMesh& cloud, const VcgPoints& points,
                  Mesh& mesh, const std::vector<Index>& marked_faces = {}) {
