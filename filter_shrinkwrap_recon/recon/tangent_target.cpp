@@ -6,8 +6,10 @@
 namespace shrinkwrap {
 namespace {
 
-constexpr int kMostSteps = 50;        // of a walk
-constexpr int kMostNeighbours = 32;   // that are weighed
+constexpr int kMostSteps = 50;       // of a walk
+constexpr int kMostNeighbours = 32;  // that are weighed
+// x reach: where no sample is so near, looking for a compatible one would be in vain, and slow.
+constexpr double kFarReaches = 2.0;
 constexpr float kKernelReach = 1.2f;  // the kernel ends this much (squared) beyond the farthest
 
 }  // namespace
@@ -123,6 +125,8 @@ Index TangentTarget::search_all(const Vec3& query, const Vec3f& normal) const {
   if (is_compatible(any.index, normal)) return any.index;
   const double spacing =
       std::max(cloud_.spacing, static_cast<double>(cloud_.local_spacing[any.index]));
+  const double far = kFarReaches * options_.reach * spacing;
+  if (any.squared_distance > far * far) return any.index;
   const VoxelSearch::Hit hit =
       cloud_.search.nearest_if(query, std::sqrt(any.squared_distance) + options_.reach * spacing,
                                [&](Index sample) { return is_compatible(sample, normal); });

@@ -13,7 +13,8 @@ namespace {
 
 constexpr Index kSampleGrain = 1 << 12;
 constexpr Index kBrickGrain = 16;
-// A brick is uniform if the winding number keeps so far from the level.
+// A brick beside one in reach is uniform if the winding number at its corners keeps so far from
+// the level.
 constexpr double kFarMargin = 0.1;
 // x median spacing: no sample reaches farther than if it were so isolated.
 constexpr double kGreatestSpacing = 4;
@@ -287,7 +288,7 @@ class Classification {
     std::vector<Index> front(static_cast<std::size_t>(image.bricks.size()));
     for (Index i = 0; i < image.bricks.size(); ++i) front[i] = i;
     std::int64_t active = image.bricks.size();
-    while (!front.empty()) {
+    for (bool near_samples = true; !front.empty(); near_samples = false) {
       if (active > limit)
         throw ReconstructionFailed(
             "the surface over the openings of the cloud would be far larger than the surface "
@@ -308,12 +309,12 @@ class Classification {
         winding[known_corners + i] = winding_.at(solid_.lattice.corner_of(
             {c[0] * BrickIndex::kEdge, c[1] * BrickIndex::kEdge, c[2] * BrickIndex::kEdge}));
       });
-      front = parallel_collect<Index>(count, kBrickGrain, progress,
-                                      [&](Index begin, Index end, std::vector<Index>& mixed) {
-                                        for (Index i = begin; i < end; ++i)
-                                          if (classify_far(known + i, corner[i], winding))
-                                            mixed.push_back(known + i);
-                                      });
+      front = parallel_collect<Index>(
+          count, kBrickGrain, progress, [&](Index begin, Index end, std::vector<Index>& mixed) {
+            for (Index i = begin; i < end; ++i)
+              if (classify_far(known + i, corner[i], winding, near_samples))
+                mixed.push_back(known + i);
+          });
       active += static_cast<std::int64_t>(front.size());
     }
   }
@@ -338,24 +339,41 @@ class Classification {
     return found;
   }
 
-  // Fills a brick that no sample reaches; true if the level set runs through it.
+  // Fills a brick that no sample reaches; true if the level set runs through it. Farther out than
+  // next to bricks in reach, the winding number varies so slowly that the errors of its tree would
+  // make foam of the level set: interpolated between the corners, it is smooth, and cheap.
   bool classify_far(Index index, const std::array<Index, 8>& corner,
-                    const std::vector<double>& winding) {
-    double low = 1e30, high = -1e30;
-    for (const Index c : corner) {
-      low = std::min(low, winding[c]);
-      high = std::max(high, winding[c]);
+                    const std::vector<double>& winding, bool near_samples) {
+    double at_corner[8], low = 1e30, high = -1e30;
+    for (int k = 0; k < 8; ++k) {
+      at_corner[k] = winding[corner[k]];
+      low = std::min(low, at_corner[k]);
+      high = std::max(high, at_corner[k]);
     }
+    const double margin = near_samples ? kFarMargin : 0.0;
     BrickMask& mask = solid_.image.mask[index];
-    mask = 0;
-    if (low > options_.level + kFarMargin) mask = kAllSolid;
-    if (low > options_.level + kFarMargin || high < options_.level - kFarMargin) return false;
+    mask = low > options_.level + margin ? kAllSolid : 0;
+    if (low > options_.level + margin || high <= options_.level - margin) return false;
     const Voxel brick = solid_.image.bricks.brick(index);
-    for (Index offset = 0; offset < BrickIndex::kVoxels; ++offset)
-      if (winding_.at(solid_.lattice.centre_of(BrickIndex::voxel_in(brick, offset))) >
-          options_.level)
-        mask |= BrickMask{1} << offset;
+    for (Index offset = 0; offset < BrickIndex::kVoxels; ++offset) {
+      const double value =
+          near_samples ? winding_.at(solid_.lattice.centre_of(BrickIndex::voxel_in(brick, offset)))
+                       : interpolated(at_corner, offset);
+      if (value > options_.level) mask |= BrickMask{1} << offset;
+    }
     return true;
+  }
+
+  // Trilinear, at the centre of a voxel of a brick.
+  static double interpolated(const double (&at_corner)[8], Index offset) {
+    const auto part = [](Index voxel) { return (voxel + 0.5) / BrickIndex::kEdge; };
+    const double x = part(offset & 3), y = part(offset >> 2 & 3), z = part(offset >> 4);
+    const auto between = [](double a, double b, double t) { return a + t * (b - a); };
+    const auto on_face = [&](int first) {
+      return between(between(at_corner[first], at_corner[first + 1], x),
+                     between(at_corner[first + 2], at_corner[first + 3], x), y);
+    };
+    return between(on_face(0), on_face(4), z);
   }
 
   const PointCloud& cloud_;
