@@ -1,0 +1,144 @@
+// Openings of the scan by their width: what spans them stays, or becomes a border.
+#include "openings.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "expect_mesh.h"
+#include "reconstruct.h"
+#include "shapes.h"
+
+namespace shrinkwrap::testing {
+namespace {
+
+constexpr Index kSamples = 4000;
+
+Reconstruction hemisphere(double widest_opening, unsigned seed) {
+  ReconstructionOptions options;
+  options.complete_matching.openings = CompleteMatchingOptions::Openings::automatic;
+  options.complete_matching.widest_opening = widest_opening;
+  Progress silent;
+  return reconstruct(sample_shape(ShapeKind::hemisphere, kSamples, seed), options, silent);
+}
+
+double longest_edge(const ResultMesh& mesh, const Triangle& t) {
+  const auto length = [&](int i, int j) {
+    return (mesh.position[t[i]] - mesh.position[t[j]]).norm();
+  };
+  return std::max({length(0, 1), length(1, 2), length(2, 0)});
+}
+
+TEST(Openings, AWideOneStaysOpen) {
+  for (const unsigned seed : {1u, 2u}) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Reconstruction result = hemisphere(10.0, seed);
+    EXPECT_EQ(result.openings.left_open, 1);
+    EXPECT_EQ(result.openings.spanned, 0);
+    EXPECT_TRUE(result.report.manifold());
+    EXPECT_EQ(result.report.border_loops, 1);
+    EXPECT_EQ(result.report.samples_matched, kSamples);
+    for (const Triangle& t : result.mesh.triangles)
+      EXPECT_LE(longest_edge(result.mesh, t), 10.0 * result.spacing);
+  }
+}
+
+TEST(Openings, ANarrowOneIsSpannedByFacesThatTellTheirWidth) {
+  for (const unsigned seed : {1u, 2u}) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Reconstruction result = hemisphere(1000.0, seed);
+    EXPECT_EQ(result.openings.left_open, 0);
+    EXPECT_EQ(result.openings.spanned, 1);
+    EXPECT_TRUE(result.report.closed() && result.report.manifold());
+    EXPECT_EQ(result.report.samples_matched, kSamples);
+
+    const ResultMesh& mesh = result.mesh;
+    ASSERT_EQ(mesh.face_quality.size(), mesh.triangles.size());
+    double widest = 0.0, area_below = 0.0;
+    for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+      const Triangle& t = mesh.triangles[f];
+      const Vec3 &a = mesh.position[t[0]], &b = mesh.position[t[1]], &c = mesh.position[t[2]];
+      if (mesh.face_quality[f] > 0.0) {
+        EXPECT_LT(std::max({a.z(), b.z(), c.z()}), 0.15) << "not a face between samples of the rim";
+        EXPECT_NEAR(mesh.face_quality[f], longest_edge(mesh, t) / result.spacing, 1e-4);
+        widest = std::max<double>(widest, mesh.face_quality[f]);
+        area_below -= 0.5 * (b - a).cross(c - a).z();
+      } else {
+        EXPECT_GT((a + b + c).norm() / 3.0, 0.98) << "not a face of the sphere";
+      }
+    }
+    EXPECT_NEAR(area_below, 3.14159, 0.05) << "the disc under the hemisphere";
+    EXPECT_NEAR(widest, result.openings.longest_edge, 1e-4);
+  }
+}
+
+// --- what is decided about faces that a test chose
+// -------------------------------------------------
+
+struct Decision {
+  CompleteMatching matching;
+  OpeningsReport report;
+};
+
+Decision decide(SurfaceMesh mesh, std::vector<Index> spanning, double widest_opening) {
+  Decision decision;
+  std::sort(spanning.begin(), spanning.end());
+  const Index samples = mesh.vertex_count();
+  decision.matching.mesh = std::move(mesh);
+  decision.matching.spanning_faces = std::move(spanning);
+  CompleteMatchingOptions options;
+  options.openings = CompleteMatchingOptions::Openings::automatic;
+  options.widest_opening = widest_opening;
+  Progress silent;
+  decision.report = decide_openings(decision.matching, samples, 1.0, options, silent);
+  return decision;
+}
+
+std::vector<Index> hinge(const SurfaceMesh& mesh, Index h) {
+  return {SurfaceMesh::face(h), SurfaceMesh::face(mesh.twin(h))};
+}
+
+TEST(Openings, EachPatchByItsOwnWidth) {
+  SurfaceMesh mesh = icosphere(3);
+  const std::vector<Index> narrow = hinge(mesh, 0);
+  // A hinge on the other side, with edges longer than any other.
+  Index far = 0;
+  for (Index h = 0; h < mesh.halfedge_slots(); ++h)
+    if (mesh.position[mesh.origin(h)].dot(mesh.position[mesh.origin(0)]) < -0.9) far = h;
+  ASSERT_NE(far, 0);
+  mesh.position[mesh.origin(far)] *= 2.0;
+  std::vector<Index> wide = hinge(mesh, far), both = wide;
+  both.insert(both.end(), narrow.begin(), narrow.end());
+  std::sort(wide.begin(), wide.end());
+
+  const Decision one = decide(mesh, both, 0.5);
+  EXPECT_EQ(one.report.left_open, 1);
+  EXPECT_EQ(one.report.spanned, 1);
+  EXPECT_GT(one.report.longest_edge, 0.05);
+  EXPECT_LT(one.report.longest_edge, 0.5) << "of those that are spanned";
+  EXPECT_EQ(one.matching.opening_faces, wide);
+
+  const Decision all = decide(mesh, both, 0.01);
+  EXPECT_EQ(all.report.left_open, 2);
+  EXPECT_EQ(all.matching.opening_faces.size(), 4u);
+
+  const Decision none = decide(mesh, both, 5.0);
+  EXPECT_EQ(none.report.spanned, 2);
+  EXPECT_TRUE(none.matching.opening_faces.empty());
+}
+
+TEST(Openings, NoSampleLosesItsLastFace) {
+  const SurfaceMesh mesh = icosphere(3);
+  std::vector<Index> star;
+  mesh.for_each_outgoing(100, [&](Index h) { star.push_back(SurfaceMesh::face(h)); });
+  const Decision decision = decide(mesh, star, 0.01);
+  Index kept = 0;
+  for (const Index f : star)
+    kept += !std::binary_search(decision.matching.opening_faces.begin(),
+                                decision.matching.opening_faces.end(), f);
+  EXPECT_GT(kept, 0);
+}
+
+}  // namespace
+}  // namespace shrinkwrap::testing
