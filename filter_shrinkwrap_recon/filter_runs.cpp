@@ -181,11 +181,11 @@ void tell_of(const OutlierReport& report, FilterOutcome& outcome) {
         "surface.");
 }
 
-ResultMesh points_at(const std::vector<Index>& input_index, const std::vector<Vec3>& points) {
-  ResultMesh result;
-  result.input_index = input_index;
-  for (const Index i : input_index) result.position.push_back(points[i]);
-  return result;
+ResultMesh outlier_layer(const OutlierReport& report, const std::vector<Vec3>& points) {
+  ResultMesh layer;
+  layer.input_index = report.input_index;
+  layer.position = points_at(points, report.input_index);
+  return layer;
 }
 
 std::string but_outliers(const OutlierReport& report) {
@@ -203,7 +203,7 @@ PointCloud prepare(const FilterInput& input, const ReconstructionOptions& option
   if (options.outliers.exclude)
     outliers = exclude_outliers(cloud, input.points, options.samples, options.outliers, progress);
   tell_of(outliers, outcome);
-  outcome.outliers = points_at(outliers.input_index, input.points);
+  outcome.outliers = outlier_layer(outliers, input.points);
   outcome.log.push_back(
       conditioning_line(cloud.conditioning, cloud.frame.to_input_length(cloud.spacing)));
   return cloud;
@@ -239,7 +239,7 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   for (std::string& line : describe(result.report)) outcome.log.push_back(std::move(line));
   outcome.log.push_back(kSucceeded + verdict_of(result.report) + but_outliers(result.outliers));
   tell_of(result.outliers, outcome);
-  outcome.outliers = points_at(result.outliers.input_index, input.points);
+  outcome.outliers = outlier_layer(result.outliers, input.points);
   warn_of(result.orientation, outcome.warnings);
   warn_of(result.initial_mesh, outcome.warnings);
   warn_of(result.complete_matching, outcome.warnings);
@@ -419,7 +419,7 @@ std::vector<Vec3> without_outliers(const FilterInput& input, const Reconstructio
   try {
     PointCloud cloud = prepare_samples(input.points, options.samples, progress);
     outliers = exclude_outliers(cloud, input.points, options.samples, options.outliers, progress);
-    return points_of(cloud, input.points);
+    return points_at(input.points, cloud.input_index);
   } catch (const InvalidInput&) {
     return input.points;
   }

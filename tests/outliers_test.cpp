@@ -144,7 +144,7 @@ TEST(Outliers, TheRestAloneGivesTheSameCloud) {
   EXPECT_EQ(result.cloud.position.size() + result.report.input_index.size(),
             result.cloud.conditioning.distinct);
 
-  const std::vector<Vec3> left = points_of(result.cloud, points);
+  const std::vector<Vec3> left = points_at(points, result.cloud.input_index);
   const Cleaned again = cleaned(left);
   EXPECT_TRUE(again.report.input_index.empty());
   EXPECT_EQ(again.report.rounds, 1);

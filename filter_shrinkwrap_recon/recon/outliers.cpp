@@ -248,11 +248,8 @@ OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& point
       report.input_index.clear();
       return report;
     }
-    std::vector<Vec3> left;
-    left.reserve(input_index.size());
-    for (const Index i : input_index) left.push_back(points[i]);
     try {
-      rest = prepare_samples(left, sample_options, progress);
+      rest = prepare_samples(points_at(points, input_index), sample_options, progress);
     } catch (const InvalidInput&) {
       report.input_index.clear();
       return report;

@@ -255,10 +255,11 @@ void measure_neighbourhoods(PointCloud& cloud, int neighbours, Progress& progres
   for (float& spacing : cloud.local_spacing) spacing = std::max(spacing, floor);
 }
 
-std::vector<Vec3> points_of(const PointCloud& cloud, const std::vector<Vec3>& points) {
+std::vector<Vec3> points_at(const std::vector<Vec3>& points,
+                            const std::vector<Index>& input_index) {
   std::vector<Vec3> result;
-  result.reserve(cloud.input_index.size());
-  for (const Index i : cloud.input_index) result.push_back(points[i]);
+  result.reserve(input_index.size());
+  for (const Index i : input_index) result.push_back(points[i]);
   return result;
 }
 

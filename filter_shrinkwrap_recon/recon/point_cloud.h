@@ -73,7 +73,7 @@ PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions&
 /// are not oriented after that, and there are no planes. Pre: the cloud was prepared.
 void measure_neighbourhoods(PointCloud& cloud, int neighbours, Progress& progress);
 
-/// The samples of a cloud where the caller had them. Pre: it was prepared from `points`.
-std::vector<Vec3> points_of(const PointCloud& cloud, const std::vector<Vec3>& points);
+/// Some of the caller's points, where it had them: of a cloud's samples, given its `input_index`.
+std::vector<Vec3> points_at(const std::vector<Vec3>& points, const std::vector<Index>& input_index);
 
 }  // namespace shrinkwrap

@@ -199,8 +199,9 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   }
 
   progress.begin(Stage::report);
-  const std::vector<Vec3> kept =
-      result.outliers.input_index.empty() ? std::vector<Vec3>() : points_of(cloud, points);
+  const std::vector<Vec3> kept = result.outliers.input_index.empty()
+                                     ? std::vector<Vec3>()
+                                     : points_at(points, cloud.input_index);
   cloud = PointCloud();
   MeshReportOptions report_options = options.report;
   if (is_counted) report_options.count_self_intersections = false;
