@@ -129,6 +129,20 @@ TEST(IntersectionRepair, CannotPartTwoSpheresButStops) {
   expect_honest(report, before, mesh, 2, 0);
 }
 
+TEST(IntersectionRepair, AHeapOfFacesCostsNoMoreThanItMay) {
+  // Every face meets hundreds: the trials that are allowed would test 77 million pairs.
+  Random random(4);
+  SurfaceMesh mesh = icosphere(3);
+  for (Vec3& p : mesh.position) p = random.in_cube();
+  const SurfaceMesh before = mesh;
+  const RepairReport report = repair(mesh);
+  EXPECT_GT(report.before, 50000);
+  EXPECT_LT(report.after, report.before);
+  EXPECT_GT(report.tests, 1000000) << "not what bounds it";
+  EXPECT_LT(report.tests, 5000000) << "a million, what ends the trial, and the unfolding";
+  expect_honest(report, before, mesh, 1, 0);
+}
+
 TEST(IntersectionRepair, NoTrialsNoFlips) {
   Random random(1);
   SurfaceMesh mesh = icosphere(3);

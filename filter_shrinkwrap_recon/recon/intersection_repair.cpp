@@ -325,7 +325,8 @@ RepairReport Repair::run() {
   const std::int64_t max_trials =
       options_.max_trials > 0 ? options_.max_trials : kLeastTrials + mesh_.face_slots();
   trials_left_ = std::min(max_trials, options_.max_trials_per_face * report.faces_before);
-  tests_left_ = kLeastTests + kTestsPerFace * mesh_.face_slots();
+  const std::int64_t max_tests = kLeastTests + kTestsPerFace * mesh_.face_slots();
+  tests_left_ = max_tests;
 
   progress_.set_range(0.8, 1.0);
   std::vector<Index> changed;
@@ -371,6 +372,7 @@ RepairReport Repair::run() {
   report.faces_after = static_cast<Index>(faces.size());
   report.remaining_faces = std::move(faces);
   report.flips = flips_;
+  report.tests = max_tests - tests_left_;
   return report;
 }
 

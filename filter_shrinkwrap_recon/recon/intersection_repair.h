@@ -15,7 +15,7 @@ struct RepairOptions {
   int max_look_ahead = 4;  ///< flips that are tried together where fewer do not help
   /// Hinges looked at bound the time, some 3 us each (coplanar samples: 30): for each face that
   /// meets another at the start, and in all; 0: 50,000 and one for each face of the mesh. So do
-  /// the pairs of faces tested for them, 128 for each hinge allowed in all.
+  /// the pairs of faces whose boxes meet: a million, and 20 for each face of the mesh.
   std::int64_t max_trials_per_face = 1000;
   std::int64_t max_trials = 0;
   /// Cosine of the sharpest angle between the normals of neighbours that a flip may make anew, as
@@ -31,6 +31,7 @@ struct RepairReport {
   std::vector<Index> remaining_faces;  ///< those, ascending
   Index flips = 0;
   int rounds = 0;
+  std::int64_t tests = 0;  ///< of pairs of faces, after the first search
 };
 
 /// Flips edges near faces that meet others while that lowers the number of pairs, or, at the same
