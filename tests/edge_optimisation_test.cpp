@@ -205,6 +205,40 @@ TEST(BendingCriterion, IsDoneAfterOneCall) {
   EXPECT_EQ(optimise_edges(mesh, {}, progress, {}, &guide).flips, 0);
 }
 
+// Eight collinear vertices on the ridge of a roof, joined across each other on both sides of the
+// edge from end to end: no single flip gives either of its faces an area.
+TEST(BendingCriterion, UnfoldsSliversOfCollinearVertices) {
+  std::vector<Vec3> positions;
+  for (int i = 0; i < 8; ++i) positions.push_back({1.0 * i, 0.0, 0.0});
+  const Index front = 8, back = 9, below = 10;
+  positions.push_back({3.5, 4.0, -1.0});
+  positions.push_back({3.5, -4.0, -1.0});
+  positions.push_back({3.5, 0.0, -6.0});
+  SurfaceMesh mesh = SurfaceMesh::from_triangles(std::move(positions), {{0, 2, front},
+                                                                        {2, 5, front},
+                                                                        {5, 7, front},
+                                                                        {0, 7, 5},
+                                                                        {0, 5, 2},
+                                                                        {7, 0, 1},
+                                                                        {7, 1, 3},
+                                                                        {7, 3, 4},
+                                                                        {7, 4, 6},
+                                                                        {1, 0, back},
+                                                                        {3, 1, back},
+                                                                        {4, 3, back},
+                                                                        {6, 4, back},
+                                                                        {7, 6, back},
+                                                                        {0, front, below},
+                                                                        {back, 0, below},
+                                                                        {7, back, below},
+                                                                        {front, 7, below}});
+  Progress silent;
+  optimise_edges(mesh, {}, silent);
+  expect_closed_manifold(mesh, 1, 0);
+  for (Index f = 0; f < mesh.face_slots(); ++f)
+    EXPECT_GT(mesh.area_vector(f).norm(), 0.1) << "face " << f;
+}
+
 TEST(BendingCriterion, SurvivesDegenerateTriangles) {
   SurfaceMesh mesh = testing::icosphere(2);
   Random random(8);

@@ -55,12 +55,11 @@ class BendingCriterion {
     parallel_for_each(mesh.face_slots(), kGrain, progress, [&](Index f) {
       const Triangle t = mesh.triangle(f);
       const Vec3 &a = mesh.position[t[0]], &b = mesh.position[t[1]], &c = mesh.position[t[2]];
-      Vec3 area = (b - a).cross(c - a);
+      const Vec3 area = (b - a).cross(c - a);
       const double twice_area = area.norm();
-      if (twice_area > 0.0) area /= twice_area;
-      normal_[f] = area.cast<float>();
       shape_[f] = shape_of((b - a).squaredNorm() + (c - b).squaredNorm() + (a - c).squaredNorm(),
                            twice_area);
+      normal_[f] = normal_of(area, twice_area, shape_[f]);
     });
     parallel_for_each(mesh.halfedge_slots(), 3 * kGrain, progress, [&](Index h) {
       const Index o = mesh.twin(h);
@@ -78,7 +77,7 @@ class BendingCriterion {
     const Index first = SurfaceMesh::face(hinge.diagonal),
                 second = SurfaceMesh::face(hinge.opposite_diagonal);
     const Vec3 to_c = c - d, to_a = a - d, to_b = b - d;
-    Vec3 area_first = to_c.cross(to_a), area_second = to_b.cross(to_c);
+    const Vec3 area_first = to_c.cross(to_a), area_second = to_b.cross(to_c);
     const double twice_first = area_first.norm(), twice_second = area_second.norm();
     const double cd2 = to_c.squaredNorm(), ad2 = to_a.squaredNorm(), db2 = to_b.squaredNorm(),
                  ca2 = (c - a).squaredNorm(), bc2 = (b - c).squaredNorm();
@@ -91,14 +90,18 @@ class BendingCriterion {
     const float before =
         bending_[hinge.diagonal] + bending_[bc] + bending_[ca] + bending_[ad] + bending_[db];
     const float shape_gain = shape_[first] + shape_[second] - shape_first - shape_second;
-    // The bending after the flip must stay below this.
+    // The bending after the flip must stay below this. Slivers of collinear vertices bend any way:
+    // among them edges become shorter, until one has a face of some area beside it.
+    const bool are_slivers =
+        std::min({shape_[first], shape_[second], shape_first, shape_second}) >= kWorstShape;
     const float limit =
-        before + static_cast<float>(mean_length * (shape_weight_ * shape_gain - least_gain_));
+        are_slivers
+            ? (cd2 < (1.0 - least_gain_) * (a - b).squaredNorm() ? 1e30f : 0.0f)
+            : before + static_cast<float>(mean_length * (shape_weight_ * shape_gain - least_gain_));
     if (!(limit > 0.0f)) return false;
 
-    if (twice_first > 0.0) area_first /= twice_first;
-    if (twice_second > 0.0) area_second /= twice_second;
-    const Vec3f normal_first = area_first.cast<float>(), normal_second = area_second.cast<float>();
+    const Vec3f normal_first = normal_of(area_first, twice_first, shape_first),
+                normal_second = normal_of(area_second, twice_second, shape_second);
     const Vec3f guide = guide_[hinge.corner[0]] + guide_[hinge.corner[1]] +
                         guide_[hinge.corner[2]] + guide_[hinge.corner[3]];
     if (!keeps_side(normal_[first], normal_[second], normal_first, normal_second, guide))
@@ -134,10 +137,17 @@ class BendingCriterion {
   }
 
  private:
-  static constexpr double kWorstShape = 1e4;
+  static constexpr float kWorstShape = 1e4f;
 
   static float shape_of(double squared_sides, double twice_area) {
-    return static_cast<float>(std::min(squared_sides / (2.0 * twice_area + 1e-300), kWorstShape));
+    return static_cast<float>(
+        std::min(squared_sides / (2.0 * twice_area + 1e-300), double{kWorstShape}));
+  }
+
+  // Unit; zero for a sliver, whose normal is that of rounding.
+  static Vec3f normal_of(const Vec3& area, double twice_area, float shape) {
+    if (!(shape < kWorstShape)) return Vec3f::Zero();
+    return Vec3(area / twice_area).cast<float>();
   }
 
   // Of the angle between two unit normals. From the chord, which is well conditioned at small
@@ -152,7 +162,7 @@ class BendingCriterion {
   SurfaceMesh& mesh_;
   double shape_weight_, least_gain_;
   std::vector<Vec3f> guide_;    // per vertex
-  std::vector<Vec3f> normal_;   // per face, unit or zero
+  std::vector<Vec3f> normal_;   // per face, unit; zero for slivers
   std::vector<float> shape_;    // per face
   std::vector<float> bending_;  // per half-edge, the same for twins
 };
