@@ -70,6 +70,23 @@ TEST(Outliers, SparsePartsAreNotStray) {
   }
 }
 
+// A patch of close samples on a surface of wide ones, as where something was scanned again: its own
+// spacing sets it apart from the rest. The same off the surface is stray.
+TEST(Outliers, DensePatchesOfTheSurfaceAreNotStray) {
+  const std::vector<Vec3> sphere = sample_shape_blue_noise(ShapeKind::sphere, 3000, 6);
+  const double spacing = 0.065;
+  for (const double height : {0.0, 0.2, 4.0}) {
+    SCOPED_TRACE(height);
+    std::vector<Vec3> points = sphere;
+    Random random(7);
+    for (int i = 0; i < 14; ++i) {
+      const Vec3 direction = (Vec3(1, 2, 3).normalized() + 0.2 * spacing * random.in_cube());
+      points.push_back((1.0 + height * spacing) * direction.normalized());
+    }
+    EXPECT_EQ(found_in(points), height > 1.0 ? 14u : 0u);
+  }
+}
+
 TEST(Outliers, ScanLinesAreNotStray) {
   for (const double gap : {3.0, 10.0, 20.0}) {
     SCOPED_TRACE(gap);
