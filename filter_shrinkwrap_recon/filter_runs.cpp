@@ -68,6 +68,12 @@ std::string repair_line(const RepairReport& report) {
          count_of(report.flips, "edge flip");
 }
 
+std::string relaxation_line(const RelaxationReport& report) {
+  return "Self-intersections smoothed away: " + count_of(report.faces_before, "face") +
+         " met others, " + std::to_string(report.faces_after) + " still do, after " +
+         count_of(report.moved, "vertex", "vertices") + " moved";
+}
+
 Figures figures_of(const MeshReport& report) {
   return {{"vertices", report.vertices},
           {"faces", report.faces},
@@ -157,9 +163,9 @@ void warn_of(const CompleteMatchingReport& report, std::vector<std::string>& war
                        " without a sample span openings and could not be removed without harm.");
 }
 
-void warn_of(const RepairReport& report, std::vector<std::string>& warnings) {
-  if (report.faces_after > 0)
-    warnings.push_back(count_of(report.faces_after, "face") +
+void warn_of_intersections(Index faces_left, std::vector<std::string>& warnings) {
+  if (faces_left > 0)
+    warnings.push_back(count_of(faces_left, "face") +
                        " could not be parted from others that they meet: they are selected.");
 }
 
@@ -243,13 +249,18 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   warn_of(result.orientation, outcome.warnings);
   warn_of(result.initial_mesh, outcome.warnings);
   warn_of(result.complete_matching, outcome.warnings);
-  warn_of(result.intersection_repair, outcome.warnings);
+  warn_of_intersections(result.intersection_repair.faces_after, outcome.warnings);
+  warn_of_intersections(result.relaxation.faces_after, outcome.warnings);
   if (result.intersection_repair.faces_before > 0)
     outcome.log.insert(outcome.log.end() - 1, repair_line(result.intersection_repair));
+  if (result.relaxation.faces_before > 0)
+    outcome.log.insert(outcome.log.end() - 1, relaxation_line(result.relaxation));
   if (result.openings.spanned + result.openings.left_open > 0)
     outcome.log.insert(outcome.log.end() - 1, openings_line(result.openings));
 
-  outcome.marked_faces = std::move(result.intersection_repair.remaining_faces);
+  outcome.marked_faces = std::move(request.options.stop_at_parametric_surface
+                                       ? result.relaxation.remaining_faces
+                                       : result.intersection_repair.remaining_faces);
   outcome.layer_suffix =
       request.options.stop_at_parametric_surface ? "shrink wrap parametric surface" : "shrink wrap";
   outcome.mesh = std::move(result.mesh);
@@ -399,7 +410,7 @@ FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterIn
     const RepairReport repair = repair_self_intersections(
         matching.mesh, request.options.intersection_repair, progress, dropped);
     if (repair.faces_before > 0) outcome.log.push_back(repair_line(repair));
-    warn_of(repair, outcome.warnings);
+    warn_of_intersections(repair.faces_after, outcome.warnings);
     outcome.marked_faces = indices_after_drop(repair.remaining_faces, dropped);
     outcome.figures["self_intersecting_faces"] = static_cast<Index>(outcome.marked_faces.size());
   }

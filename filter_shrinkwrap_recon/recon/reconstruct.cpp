@@ -158,6 +158,8 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
         make_parametric_surface(std::move(mesh), cloud, surface_options, progress);
     result.parametric_surface = parametric.report;
     mesh = std::move(parametric.mesh);
+    if (options.stop_at_parametric_surface && options.intersection_repair.enabled)
+      result.relaxation = relax_self_intersections(mesh, options.relaxation, progress);
     round_to_host(mesh, cloud.frame, options.host_scalar);
     log.add(Stage::parametric_surface, mesh.vertex_count(), in_input_frame);
   }

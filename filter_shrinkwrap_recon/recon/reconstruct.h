@@ -8,6 +8,7 @@
 #include "control_mesh.h"
 #include "edge_optimisation.h"
 #include "initial_mesh.h"
+#include "intersection_relaxation.h"
 #include "intersection_repair.h"
 #include "mesh_report.h"
 #include "noise.h"
@@ -31,6 +32,7 @@ struct ReconstructionOptions {
   CompleteMatchingOptions complete_matching;
   EdgeOptimisationOptions edge_optimisation;
   RepairOptions intersection_repair;  ///< runs at the end of edge optimisation
+  RelaxationOptions relaxation;  ///< instead of it where the run stops before, if it is enabled
   MeshReportOptions report;
   HostScalar host_scalar = HostScalar::single_precision;
   bool stop_at_parametric_surface =
@@ -71,6 +73,7 @@ struct Reconstruction {
   OpeningsReport openings;
   EdgeOptimisationReport edge_optimisation;
   RepairReport intersection_repair;  ///< `remaining_faces` are faces of `mesh`
+  RelaxationReport relaxation;       ///< of a run that stops at the parametric surface
   MeshReport report;
   double spacing = 0.0;  ///< median sample spacing, input length
 };

@@ -1,0 +1,34 @@
+// Self-intersections smoothed away: for a surface whose vertices are free to move.
+#pragma once
+
+#include <vector>
+
+#include "progress.h"
+#include "surface_mesh.h"
+
+namespace shrinkwrap {
+
+struct RelaxationOptions {
+  int max_rounds = 40;
+  int steps = 4;          ///< of smoothing in a round
+  double weight = 0.5;    ///< of a step: part of the way to the mean of the neighbours
+  int rounds_a_ring = 5;  ///< after so many rounds one more ring of faces around is smoothed too
+};
+
+struct RelaxationReport {
+  Index faces_before = 0;  ///< that meet others
+  Index faces_after = 0;
+  std::vector<Index> remaining_faces;  ///< those, ascending
+  Index moved = 0;                     ///< vertices
+  int rounds = 0;
+};
+
+/// Smooths the neighbourhoods of faces that meet others, wider and wider, until none does: the
+/// folds of a parametric surface unfold, and sheets that overlap a little draw back. Faces
+/// elsewhere stay as they are, and so does the whole mesh if in the end as many faces meet others
+/// as before. Finding the pairs costs as much as `self_intersections`; the rest is proportional to
+/// the faces in them. Deterministic. Pre: no removed slots.
+RelaxationReport relax_self_intersections(SurfaceMesh& mesh, const RelaxationOptions& options,
+                                          Progress& progress);
+
+}  // namespace shrinkwrap

@@ -1,0 +1,81 @@
+#include "intersection_relaxation.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "expect_mesh.h"
+#include "self_intersection.h"
+#include "shapes.h"
+
+namespace shrinkwrap::testing {
+namespace {
+
+std::vector<Index> faces_that_meet(const SurfaceMesh& mesh) {
+  Progress silent;
+  return self_intersecting_faces(mesh.position, mesh.triangles(), silent);
+}
+
+// A torus whose vertices near x = 1 were shaken by more than an edge.
+SurfaceMesh shaken_torus(double by) {
+  SurfaceMesh mesh = torus_mesh(60, 24);
+  Random random(3);
+  for (Vec3& p : mesh.position)
+    if (p.x() > 0.9) p += by * random.in_cube();
+  return mesh;
+}
+
+TEST(IntersectionRelaxation, UnfoldsAndLeavesTheRestAlone) {
+  const SurfaceMesh before = shaken_torus(0.2);
+  ASSERT_GT(faces_that_meet(before).size(), 20u);
+  SurfaceMesh mesh = before;
+  Progress silent;
+  const RelaxationReport report = relax_self_intersections(mesh, {}, silent);
+  EXPECT_EQ(report.faces_before, static_cast<Index>(faces_that_meet(before).size()));
+  EXPECT_EQ(report.faces_after, 0);
+  EXPECT_TRUE(faces_that_meet(mesh).empty());
+  EXPECT_EQ(mesh.triangles(), before.triangles());
+  Index moved = 0;
+  for (Index v = 0; v < mesh.vertex_slots(); ++v) {
+    moved += mesh.position[v] != before.position[v];
+    EXPECT_TRUE(before.position[v].x() > 0.0 || mesh.position[v] == before.position[v]);
+  }
+  EXPECT_EQ(moved, report.moved);
+  EXPECT_LT(moved, mesh.vertex_slots() / 2);
+}
+
+TEST(IntersectionRelaxation, LeavesASurfaceWithoutIntersectionsAlone) {
+  SurfaceMesh mesh = icosphere(3);
+  const SurfaceMesh before = mesh;
+  Progress silent;
+  const RelaxationReport report = relax_self_intersections(mesh, {}, silent);
+  EXPECT_EQ(report.faces_before, 0);
+  EXPECT_EQ(report.rounds, 0);
+  expect_same_mesh(mesh, before);
+}
+
+TEST(IntersectionRelaxation, PutsBackWhatDidNotHelp) {
+  const SurfaceMesh before = shaken_torus(0.2);
+  SurfaceMesh mesh = before;
+  RelaxationOptions options;
+  options.weight = -0.5;  // makes it worse
+  options.max_rounds = 3;
+  Progress silent;
+  const RelaxationReport report = relax_self_intersections(mesh, options, silent);
+  EXPECT_EQ(report.moved, 0);
+  EXPECT_EQ(report.faces_after, report.faces_before);
+  EXPECT_EQ(report.remaining_faces, faces_that_meet(mesh));
+  expect_same_mesh(mesh, before);
+}
+
+TEST(IntersectionRelaxation, DoesNotDependOnThreads) {
+  SurfaceMesh meshes[2] = {shaken_torus(0.3), shaken_torus(0.3)};
+  for (const std::size_t threads : {1, 2}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    Progress silent;
+    relax_self_intersections(meshes[threads - 1], {}, silent);
+  }
+  expect_same_mesh(meshes[0], meshes[1]);
+}
+
+}  // namespace
+}  // namespace shrinkwrap::testing
