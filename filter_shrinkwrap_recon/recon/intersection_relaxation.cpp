@@ -1,6 +1,8 @@
 #include "intersection_relaxation.h"
 
 #include <algorithm>
+#include <atomic>
+#include <memory>
 #include <utility>
 
 #include "box_tree.h"
@@ -35,25 +37,35 @@ std::vector<Index> faces_around(const SurfaceMesh& mesh, const std::vector<Index
   return faces;
 }
 
-// The faces that meet one of those given, and these of which that is true; ascending.
+// The faces that meet one of those given, and these of which that is true; ascending. Near-linear
+// in heaps too: a pair of which both are known is not tested. Which faces are found does not depend
+// on who comes first.
 std::vector<Index> faces_that_meet(const SurfaceMesh& mesh, const BoxTree& tree,
                                    const TrianglePairs& test, const std::vector<Index>& faces,
                                    Progress& progress) {
-  std::vector<Index> met = parallel_collect<Index>(
+  const auto is_found =
+      std::make_unique<std::atomic<bool>[]>(static_cast<std::size_t>(mesh.face_slots()));
+  std::vector<Index> found = parallel_collect<Index>(
       static_cast<Index>(faces.size()), kGrain, progress,
       [&](Index begin, Index end, std::vector<Index>& some) {
+        const auto add = [&](Index f) {
+          if (!is_found[f].exchange(true, std::memory_order_relaxed)) some.push_back(f);
+        };
         for (Index i = begin; i < end; ++i) {
           const Index f = faces[i];
           const Triangle t = mesh.triangle(f);
           tree.for_each_overlap(tree.box_of(mesh.position, t), [&](Index g) {
-            if (g == f || !test.meet(t, mesh.triangle(g))) return;
-            some.push_back(f);
-            some.push_back(g);
+            if (g == f || (is_found[f].load(std::memory_order_relaxed) &&
+                           is_found[g].load(std::memory_order_relaxed)))
+              return;
+            if (!test.meet(t, mesh.triangle(g))) return;
+            add(f);
+            add(g);
           });
         }
       });
-  sort_unique(met);
-  return met;
+  std::sort(found.begin(), found.end());
+  return found;
 }
 
 }  // namespace
@@ -64,8 +76,7 @@ RelaxationReport relax_self_intersections(SurfaceMesh& mesh, const RelaxationOpt
   const std::vector<Triangle> triangles = mesh.triangles();
   BoxTree tree(mesh.position, triangles, progress);
   const TrianglePairs test(mesh.position);
-  const std::vector<Index> at_first =
-      intersecting_faces(self_intersections(tree, test, triangles, progress));
+  const std::vector<Index> at_first = self_intersecting_faces(tree, test, triangles, progress);
   report.faces_before = static_cast<Index>(at_first.size());
 
   std::vector<Index> meeting = at_first;

@@ -25,9 +25,10 @@ struct RelaxationReport {
 
 /// Smooths the neighbourhoods of faces that meet others, wider and wider, until none does: the
 /// folds of a parametric surface unfold, and sheets that overlap a little draw back. Faces
-/// elsewhere stay as they are, and so does the whole mesh if in the end as many faces meet others
-/// as before. Finding the pairs costs as much as `self_intersections`; the rest is proportional to
-/// the faces in them. Deterministic. Pre: no removed slots.
+/// elsewhere stay as they are, and so does the whole mesh if in the end no fewer faces meet others
+/// than before. Finding the faces costs as much as `self_intersecting_faces`; the rest is
+/// proportional to their number, but for a flag for each face in each round. Deterministic. Pre: no
+/// removed slots.
 RelaxationReport relax_self_intersections(SurfaceMesh& mesh, const RelaxationOptions& options,
                                           Progress& progress);
 

@@ -106,12 +106,18 @@ ReconstructionOptions smoothed_for_noise(ReconstructionOptions options, double n
   return options;
 }
 
+bool are_of_single_precision(const std::vector<Vec3>& points) {
+  return std::all_of(points.begin(), points.end(),
+                     [](const Vec3& p) { return !p.allFinite() || rounded_to_single(p) == p; });
+}
+
 Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions options,
                    Progress& progress) {
   Reconstruction result;
   StageLog log(result, options);
 
   require_memory_for(points.size(), options.memory_limit);
+  if (!are_of_single_precision(points)) options.host_scalar = HostScalar::double_precision;
   PointCloud cloud = prepare_samples(points, options.samples, progress);
   result.conditioning = cloud.conditioning;
   log.add(Stage::samples, cloud.size());

@@ -34,6 +34,7 @@ struct ReconstructionOptions {
   RepairOptions intersection_repair;  ///< runs at the end of edge optimisation
   RelaxationOptions relaxation;  ///< instead of it where the run stops before, if it is enabled
   MeshReportOptions report;
+  /// Points that single precision cannot hold come from no host of that precision: double is used.
   HostScalar host_scalar = HostScalar::single_precision;
   bool stop_at_parametric_surface =
       false;  ///< for noisy clouds: a smooth closed surface near the samples

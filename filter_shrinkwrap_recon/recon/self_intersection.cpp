@@ -51,7 +51,12 @@ std::vector<Index> self_intersecting_faces(const std::vector<Vec3>& positions,
                                            const std::vector<Triangle>& triangles,
                                            Progress& progress) {
   const BoxTree tree(positions, triangles, progress);
-  const TrianglePairs test(positions);
+  return self_intersecting_faces(tree, TrianglePairs(positions), triangles, progress);
+}
+
+std::vector<Index> self_intersecting_faces(const BoxTree& tree, const TrianglePairs& test,
+                                           const std::vector<Triangle>& triangles,
+                                           Progress& progress) {
   // Threads only ever set flags, and a pair is left out only if both are set: which faces are
   // found does not depend on who comes first.
   std::vector<std::atomic<bool>> found(triangles.size());

@@ -34,4 +34,9 @@ std::vector<Index> self_intersecting_faces(const std::vector<Vec3>& positions,
                                            const std::vector<Triangle>& triangles,
                                            Progress& progress);
 
+/// The same with a tree and a pair test made of the positions and triangles beforehand.
+std::vector<Index> self_intersecting_faces(const BoxTree& tree, const TrianglePairs& test,
+                                           const std::vector<Triangle>& triangles,
+                                           Progress& progress);
+
 }  // namespace shrinkwrap
