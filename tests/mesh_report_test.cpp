@@ -79,6 +79,18 @@ TEST(MeshReport, Volume) {
   EXPECT_EQ(turned.components_inward, 1);
 }
 
+TEST(MeshReport, SideOfVeryLargeAndVerySmallMeshes) {
+  for (const double scale : {1e-310, 1e-150, 1e-110, 1e110, 1e150, 1e307}) {
+    SCOPED_TRACE(scale);
+    Mesh mesh(icosphere(1));
+    for (Vec3& p : mesh.positions) p *= scale;
+    EXPECT_TRUE(report_of(mesh).outward());
+    for (Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
+    EXPECT_FALSE(report_of(mesh).outward());
+    EXPECT_EQ(report_of(mesh).components_inward, 1);
+  }
+}
+
 TEST(MeshReport, ComponentsAndCavities) {
   Mesh mesh(icosphere(3));
   Mesh core(icosphere(1));

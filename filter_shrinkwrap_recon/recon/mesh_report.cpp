@@ -210,10 +210,23 @@ Components find_components(const std::vector<Index>& next_face, Progress& progre
   return components;
 }
 
-// Six times the signed volume between a face and a fixed point; 0 if not finite.
-double volume_under(const std::vector<Vec3>& positions, const Triangle& t, const Vec3& apex) {
-  const double volume =
-      (positions[t[0]] - apex).dot((positions[t[1]] - apex).cross(positions[t[2]] - apex));
+// A power of two by which the coordinates become so moderate that their products neither vanish nor
+// overflow; they are rounded as without it.
+int moderating_exponent(const std::vector<Vec3>& positions) {
+  constexpr int kMost = 1000;
+  double greatest = 0.0;
+  for (const Vec3& p : positions)
+    if (p.allFinite()) greatest = std::max(greatest, p.cwiseAbs().maxCoeff());
+  return greatest > 0.0 ? std::clamp(-std::ilogb(greatest), -kMost, kMost) : 0;
+}
+
+// Six times the signed volume between a face and a fixed point, in the scale of that; 0 if not
+// finite.
+double volume_under(const std::vector<Vec3>& positions, const Triangle& t, double scale,
+                    const Vec3& apex) {
+  const Vec3 a = scale * positions[t[0]] - apex, b = scale * positions[t[1]] - apex,
+             c = scale * positions[t[2]] - apex;
+  const double volume = a.dot(b.cross(c));
   return std::isfinite(volume) ? volume : 0.0;
 }
 
@@ -224,7 +237,9 @@ void measure_volume(const std::vector<Vec3>& positions, const std::vector<Triang
   const Index faces = static_cast<Index>(triangles.size());
   const auto finite =
       std::find_if(positions.begin(), positions.end(), [](const Vec3& p) { return p.allFinite(); });
-  const Vec3 apex = finite != positions.end() ? *finite : Vec3(Vec3::Zero());
+  const int exponent = moderating_exponent(positions);
+  const double scale = std::ldexp(1.0, exponent);
+  const Vec3 apex = finite != positions.end() ? Vec3(scale * *finite) : Vec3(Vec3::Zero());
   // Block by block; most blocks lie in one component.
   struct Part {
     Index component;
@@ -235,19 +250,22 @@ void measure_volume(const std::vector<Vec3>& positions, const std::vector<Triang
         for (Index f = begin; f < end; ++f) {
           const Index component = components.of_face[f];
           if (some.empty() || some.back().component != component) some.push_back({component, 0.0});
-          some.back().volume += volume_under(positions, triangles[f], apex) / 6.0;
+          some.back().volume += volume_under(positions, triangles[f], scale, apex) / 6.0;
         }
       });
   std::vector<double> volume(triangles.size(), 0.0);
   std::vector<char> component_is_open(triangles.size(), 0);
   for (const BorderEdge& edge : border) component_is_open[components.of_face[edge.face]] = 1;
   for (const Part& part : parts) volume[part.component] += part.volume;
+  double sum = 0.0;
   for (Index f = 0; f < faces; ++f) {
     if (components.of_face[f] != f) continue;
-    report.volume += volume[f];
+    sum += volume[f];
     if (!component_is_open[f] && volume[f] < 0.0) ++report.components_inward;
   }
-  if (!report.closed()) report.volume = 0.0;
+  if (!report.closed()) return;
+  report.volume = std::ldexp(sum, -3 * exponent);
+  report.volume_is_positive = sum > 0.0;
 }
 
 // Everything but the samples and self-intersections.

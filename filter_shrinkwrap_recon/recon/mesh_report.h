@@ -27,6 +27,7 @@ struct MeshReport {
   Index genus =
       -1;  ///< summed over components; -1 unless manifold (openings are counted as capped)
   double volume = 0.0;                 ///< signed, of a closed mesh
+  bool volume_is_positive = false;     ///< also where the number itself is too small or too large
   Index self_intersecting_faces = -1;  ///< -1: not counted
 
   Index samples = 0;          ///< distinct input samples
@@ -44,7 +45,7 @@ struct MeshReport {
     return samples_missing == 0 && samples_matched_twice == 0 && vertices_extra == 0 &&
            samples_matched == samples;
   }
-  bool outward() const { return closed() && manifold() && volume > 0.0; }
+  bool outward() const { return closed() && manifold() && volume_is_positive; }
 };
 
 struct MeshReportOptions {
