@@ -284,10 +284,14 @@ TEST_F(Hemisphere, IsLeftOpenWithACleanBorder) {
   for (const Index f : matching.opening_faces) is_dropped[f] = 1;
   std::vector<Index> faces(static_cast<std::size_t>(cloud_.size()), 0);
   Index border = 0, extra = 0;
+  double border_length = 0.0;
   for (Index h = 0; h < matching.mesh.halfedge_slots(); ++h) {
     if (is_dropped[SurfaceMesh::face(h)]) continue;
-    border += is_dropped[SurfaceMesh::face(matching.mesh.twin(h))];
-    const Index v = matching.mesh.origin(h);
+    const Index v = matching.mesh.origin(h), w = matching.mesh.target(h);
+    if (is_dropped[SurfaceMesh::face(matching.mesh.twin(h))]) {
+      ++border;
+      border_length += (matching.mesh.position[w] - matching.mesh.position[v]).norm();
+    }
     if (matching.sample_of_vertex[v] == SampleId::none)
       ++extra;
     else
@@ -295,6 +299,8 @@ TEST_F(Hemisphere, IsLeftOpenWithACleanBorder) {
   }
   EXPECT_EQ(std::count(faces.begin(), faces.end(), 0), 0) << "samples without a face";
   EXPECT_GT(border, 30);
+  // Of a unit circle; the samples along it make a zigzag.
+  EXPECT_LT(cloud_.frame.to_input_length(border_length), 6.6);
   EXPECT_EQ(extra, 0);
   EXPECT_EQ(matching.report.extra_vertices, 0);
 }
