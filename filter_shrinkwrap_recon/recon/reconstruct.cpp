@@ -136,6 +136,8 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
     options = smoothed_for_noise(options, noise.upper_fifth);
     measure_neighbourhoods(cloud, options.samples.neighbours, progress);
     result.orientation = orient_normals(cloud, options.orientation, progress);
+    if (options.denoising.neighbourhoods > 0)
+      denoise(cloud, noise.median, options.denoising, progress);
   }
   log.add(Stage::orientation, cloud.size());
 

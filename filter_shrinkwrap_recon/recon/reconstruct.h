@@ -6,6 +6,7 @@
 
 #include "complete_matching.h"
 #include "control_mesh.h"
+#include "denoising.h"
 #include "edge_optimisation.h"
 #include "initial_mesh.h"
 #include "intersection_relaxation.h"
@@ -26,6 +27,7 @@ struct ReconstructionOptions {
   OutlierOptions outliers;
   OrientationOptions orientation;
   NoiseOptions noise;
+  DenoisingOptions denoising;
   InitialMeshOptions initial_mesh;
   ControlMeshOptions control_mesh;
   ParametricSurfaceOptions parametric_surface;

@@ -34,7 +34,7 @@ TangentTarget::Target TangentTarget::find(const Vec3& query, const Vec3& normal,
   const Index* list = cloud_.neighbours_of(target.nearest);
   const int count =
       std::clamp(options_.rim_neighbours, 1, std::min(kMostNeighbours, cloud_.neighbour_count));
-  const int planes = std::clamp(options_.planes, 1, count);
+  const int planes = std::clamp(cloud_.is_denoised ? options_.smooth_planes : options_.planes, 1, count);
   Vec3f offset[kMostNeighbours];
   float squared_distance[kMostNeighbours];
   float plane_reach = 0.0f, rim_reach = 0.0f;
@@ -66,6 +66,21 @@ TangentTarget::Target TangentTarget::find(const Vec3& query, const Vec3& normal,
   if (!(total > 0.0f)) {  // the planes turn away from the mesh
     target.is_membrane = true;
     return target;
+  }
+  if (cloud_.is_denoised) {
+    // A tangent plane leaves the surface by half of what the normal turned: with the mean of the
+    // normals at either end it does not, to third order.
+    plane_normal.normalize();
+    float height = 0.0f;
+    for (int e = 0; e < planes; ++e) {
+      const TangentPlane& plane = cloud_.plane[list[e]];
+      const float cosine = plane.normal.dot(mesh_normal);
+      if (!(cosine > min_cosine)) continue;
+      const float kernel = 1.0f - squared_distance[e] * plane_falloff;
+      height += kernel * kernel * cosine * cosine *
+                (plane.point - origin).dot(0.5f * (plane.normal + plane_normal));
+    }
+    displacement = height * plane_normal;
   }
 
   const float rim_falloff = falloff(rim_reach);

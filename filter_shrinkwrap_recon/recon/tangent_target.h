@@ -12,6 +12,7 @@ struct TangentTargetOptions {
   double off_centre = 0.6;  ///< x s: from here, samples on one side only, the plane counts less ...
   double beyond_rim = 1.0;  ///< x s: ... and from here not at all
   int planes = 6;           ///< neighbouring planes that are blended
+  int smooth_planes = 12;
   int rim_neighbours = 14;  ///< samples whose centroid tells how far off the data the query is
 };
 
