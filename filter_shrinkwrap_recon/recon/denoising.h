@@ -6,16 +6,33 @@
 namespace shrinkwrap {
 
 struct DenoisingOptions {
-  double first_radius = 3.2;  ///< x local spacing: of the smallest neighbourhood, about 32 samples
-  double growth = 1.41421356;       ///< of the radius from one neighbourhood to the next
-  int neighbourhoods = 6;    ///< sizes that are tried
-  double confidence = 2.0;   ///< half-width of the intervals, x standard error
-  bool local_sigma = false;
-  double slope = 2.0;
-  double residual = 2.0;
+  /// Clouds with less noise are left as they are (x local spacing): clean ones, for example, whose
+  /// finest detail looks like noise of up to 0.06.
+  double from = 0.08;
+  double first_radius = 2.3;  ///< x local spacing, of the smallest neighbourhood: 16 samples ...
+  double radius_per_noise = 6.0;  ///< ... but at least this many times the noise
+  double growth = 1.25;           ///< of the radius from one neighbourhood to the next
+  int sizes = 6;                  ///< of neighbourhoods, at most 8
+  /// Intervals around the height and the slopes of a quadric, of this many standard errors to
+  /// either side, must have a point in common with those of all smaller neighbourhoods ...
+  double confidence = 2.0;
+  /// ... and the mean squared residual may exceed what the noise leaves by so many of its own
+  /// standard deviations: else there is detail that the neighbourhood is too wide for.
+  double misfit = 1.0;
 };
 
-/// x
-void denoise(PointCloud& cloud, double noise, const DenoisingOptions& options, Progress& progress);
+/// Moves every sample along its normal onto the quadratic height field that fits the samples around
+/// it best, which unlike a plane does not shrink what is curved (Levin 2003; Cazals and Pouget
+/// 2005), over the widest neighbourhood that the data allow: of those of growing size the last
+/// before the fit contradicts a smaller one by more than the noise explains (Goldenshluger and
+/// Nemirovski 1997, intersection of confidence intervals). The noise is measured around each
+/// sample. Flat parts are smoothed over hundreds of samples, detail and edges over few.
+///
+/// `noise`: of `estimate_noise`. `neighbours`: per sample, from then on. Pre: `orient_normals` was
+/// called on the cloud. Post: `is_denoised`; positions, their order, neighbours, spacing, normals
+/// and planes are new, the planes those of the quadrics; `input_index` tells whose they are. O(N),
+/// about 20 us a sample; the same for any number of threads. Throws Cancelled.
+void denoise(PointCloud& cloud, double noise, int neighbours, const DenoisingOptions& options,
+             Progress& progress);
 
 }  // namespace shrinkwrap

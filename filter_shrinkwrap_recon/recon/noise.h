@@ -25,9 +25,9 @@ struct NoiseEstimate {
 /// The deviation of the samples from the surface that they lie on, in local spacings: what the
 /// neighbours of a sample that face the same way deviate from the quadratic height field that fits
 /// them best (Cazals and Pouget 2005, degree 2), freed of the bias of the fit.
-/// About right to 0.5, and too low beyond (0.65 for 1): a neighbourhood of 16 is then as
-/// thick as it is wide. 0 if there is too little to tell. Pre: `orient_normals` was called on the
-/// cloud. The same for any number of threads.
+/// Neighbourhoods are widened until they are wider than thick. About right to 0.5, and too low
+/// beyond (0.7 for 1, also because the spacing is then overestimated). 0 if there is too little to
+/// tell. Pre: `orient_normals` was called on the cloud. The same for any number of threads.
 NoiseEstimate estimate_noise(const PointCloud& cloud, const NoiseOptions& options,
                              Progress& progress);
 

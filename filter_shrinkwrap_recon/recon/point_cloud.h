@@ -48,7 +48,7 @@ class PointCloud {
   std::vector<float> deviation;  ///< of the k neighbours from their plane, root mean square
   std::vector<TangentPlane>
       plane;  ///< after `orient_normals`: Gaussian mean of the compatible neighbours
-  bool is_denoised = false;  ///< samples and planes are those of quadrics (`denoise`)
+  bool is_denoised = false;  ///< samples and planes are those of local quadrics (denoising.h)
 
   Index size() const { return static_cast<Index>(position.size()); }
   const Index* neighbours_of(Index sample) const {

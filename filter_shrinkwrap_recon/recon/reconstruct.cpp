@@ -86,26 +86,6 @@ void check_promise(const Reconstruction& result, const ReconstructionOptions& op
   if (report.samples_matched_twice > 0) fail("one to one");
 }
 
-// What makes a parametric surface smoother, the more so the noisier the samples are: wider
-// neighbourhoods and voxels, and less haste. Every figure is for one unit (see NoiseOptions).
-ReconstructionOptions smoothed_for_noise(ReconstructionOptions options, double noise) {
-  constexpr double kWider = 1.0, kLargerVoxels = 0.35;
-  constexpr double kAttraction = 0.4, kRelaxation = 0.3;  // from one unit on
-  const NoiseOptions& limits = options.noise;
-  const double units = std::clamp((noise - limits.smooth_from) / limits.smooth_unit, 0.0,
-                                  std::max(limits.most_units, 0.0));
-  const double part = std::min(units, 1.0);
-  const auto towards = [&](double& value, double at_one) { value += part * (at_one - value); };
-  options.samples.neighbours =
-      static_cast<int>(std::lround(options.samples.neighbours * (1.0 + kWider * units)));
-  options.orientation.plane_neighbours =
-      std::max(options.orientation.plane_neighbours, options.samples.neighbours);
-  options.initial_mesh.voxel_size *= 1.0 + kLargerVoxels * units;
-  towards(options.parametric_surface.attraction, kAttraction);
-  towards(options.parametric_surface.relaxation, kRelaxation);
-  return options;
-}
-
 bool are_of_single_precision(const std::vector<Vec3>& points) {
   return std::all_of(points.begin(), points.end(),
                      [](const Vec3& p) { return !p.allFinite() || rounded_to_single(p) == p; });
@@ -132,13 +112,8 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   const NoiseEstimate noise = estimate_noise(cloud, options.noise, progress);
   result.noise = noise.median;
   const bool is_robust = options.initial_mesh.start == InitialMeshOptions::Start::winding_number;
-  if (options.stop_at_parametric_surface && is_robust && noise.median > options.noise.high) {
-    options = smoothed_for_noise(options, noise.upper_fifth);
-    measure_neighbourhoods(cloud, options.samples.neighbours, progress);
-    result.orientation = orient_normals(cloud, options.orientation, progress);
-    if (options.denoising.neighbourhoods > 0)
-      denoise(cloud, noise.median, options.denoising, progress);
-  }
+  if (options.stop_at_parametric_surface && is_robust)
+    smooth_for_noise(cloud, noise, options, result.orientation, progress);
   log.add(Stage::orientation, cloud.size());
 
   SurfaceMesh mesh;
@@ -160,10 +135,9 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
     log.add(Stage::control_mesh, mesh.vertex_count(), in_input_frame);
   }
   {
-    ParametricSurfaceOptions surface_options = options.parametric_surface;
-    if (options.stop_at_parametric_surface) surface_options.fine_enough = 0.0;
+    if (options.stop_at_parametric_surface) options.parametric_surface.fine_enough = 0.0;
     ParametricSurface parametric =
-        make_parametric_surface(std::move(mesh), cloud, surface_options, progress);
+        make_parametric_surface(std::move(mesh), cloud, options.parametric_surface, progress);
     result.parametric_surface = parametric.report;
     mesh = std::move(parametric.mesh);
     if (options.stop_at_parametric_surface && options.intersection_repair.enabled)
@@ -236,6 +210,30 @@ ReconstructionOptions as_in_the_paper() {
   options.complete_matching.method = CompleteMatchingOptions::Method::snap_and_insert;
   options.edge_optimisation.criterion = EdgeOptimisationOptions::Criterion::quadric;
   return options;
+}
+
+void smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise, ReconstructionOptions& options,
+                      OrientationReport& orientation, Progress& progress) {
+  constexpr double kWider = 1.0, kLargerVoxels = 0.35;
+  constexpr double kAttraction = 0.4, kRelaxation = 0.3;  // from one unit on
+  if (!(noise.median > options.denoising.from)) return;
+  const NoiseOptions& limits = options.noise;
+  const double units = std::clamp((noise.upper_fifth - limits.smooth_from) / limits.smooth_unit,
+                                  0.0, std::max(limits.most_units, 0.0));
+  const int neighbours = options.samples.neighbours;
+  if (units > 0.0) {
+    const int wider = static_cast<int>(std::lround(neighbours * (1.0 + kWider * units)));
+    OrientationOptions orientation_options = options.orientation;
+    orientation_options.plane_neighbours = std::max(orientation_options.plane_neighbours, wider);
+    measure_neighbourhoods(cloud, wider, progress);
+    orientation = orient_normals(cloud, orientation_options, progress);
+  }
+  denoise(cloud, noise.median, neighbours, options.denoising, progress);
+  options.initial_mesh.voxel_size *= 1.0 + kLargerVoxels * units;
+  const double part = std::min(units, 1.0);
+  const auto towards = [&](double& value, double at_one) { value += part * (at_one - value); };
+  towards(options.parametric_surface.attraction, kAttraction);
+  towards(options.parametric_surface.relaxation, kRelaxation);
 }
 
 std::vector<Stage> stages_of(const ReconstructionOptions& options) {

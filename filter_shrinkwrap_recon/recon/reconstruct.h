@@ -87,6 +87,14 @@ struct Reconstruction {
 Reconstruction reconstruct(const std::vector<Vec3>& points, const ReconstructionOptions& options,
                            Progress& progress);
 
+/// What a run that stops at the parametric surface does about noise, if there is more than
+/// `options.denoising.from`: measures and orients the normals anew over wider neighbourhoods, moves
+/// the samples onto the surface that they scatter about, and enlarges the voxels in `options`, the
+/// more so the noisier the samples are (`options.noise`). Pre: `orient_normals` was called on the
+/// cloud; its report is `orientation`, which is replaced if it is called again.
+void smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise, ReconstructionOptions& options,
+                      OrientationReport& orientation, Progress& progress);
+
 /// The stages that a run with these options passes, for the construction of its Progress.
 std::vector<Stage> stages_of(const ReconstructionOptions& options);
 

@@ -34,7 +34,8 @@ TangentTarget::Target TangentTarget::find(const Vec3& query, const Vec3& normal,
   const Index* list = cloud_.neighbours_of(target.nearest);
   const int count =
       std::clamp(options_.rim_neighbours, 1, std::min(kMostNeighbours, cloud_.neighbour_count));
-  const int planes = std::clamp(cloud_.is_denoised ? options_.smooth_planes : options_.planes, 1, count);
+  const int planes =
+      std::clamp(cloud_.is_denoised ? options_.quadric_planes : options_.planes, 1, count);
   Vec3f offset[kMostNeighbours];
   float squared_distance[kMostNeighbours];
   float plane_reach = 0.0f, rim_reach = 0.0f;
@@ -68,8 +69,8 @@ TangentTarget::Target TangentTarget::find(const Vec3& query, const Vec3& normal,
     return target;
   }
   if (cloud_.is_denoised) {
-    // A tangent plane leaves the surface by half of what the normal turned: with the mean of the
-    // normals at either end it does not, to third order.
+    // A tangent plane lies outside of what is convex, by half of what the normal turns on the way;
+    // with the mean of the normals at either end it meets any quadric.
     plane_normal.normalize();
     float height = 0.0f;
     for (int e = 0; e < planes; ++e) {

@@ -11,8 +11,8 @@ struct TangentTargetOptions {
   double reach = 3.0;       ///< x s: a vertex without a compatible sample so near is a membrane's
   double off_centre = 0.6;  ///< x s: from here, samples on one side only, the plane counts less ...
   double beyond_rim = 1.0;  ///< x s: ... and from here not at all
-  int planes = 6;           ///< neighbouring planes that are blended
-  int smooth_planes = 12;
+  int planes = 6;           ///< neighbouring planes that are blended ...
+  int quadric_planes = 8;   ///< ... if the cloud is denoised: planes that leave no bias
   int rim_neighbours = 14;  ///< samples whose centroid tells how far off the data the query is
 };
 
