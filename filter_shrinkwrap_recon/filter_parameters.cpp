@@ -109,6 +109,15 @@ Parameter exclude_outliers() {
               "Off: every point becomes a vertex, stray or not."));
 }
 
+// Of the filters of the stages before: so that their chain ends in what the whole method gives.
+Parameter smooth_for_noise() {
+  return boolean(kStopAtSurface, "For stopping at the parametric surface", false,
+                 "The parametric surface is to be the result, and no complete matching follows: "
+                 "if the points are noisy (more than about a twelfth of their spacing), smooth "
+                 "the surface for it. Choose the same in the filters Initial Mesh and Parametric "
+                 "Surface.");
+}
+
 Parameter openings() {
   return choice(kOpenings, "Openings in the scan", {"Close", "Leave open", "Automatic"},
                 "What becomes of places without samples that are wider than about four sample "
@@ -369,7 +378,8 @@ std::vector<Parameter> parameters_of(Filter filter) {
       list = reconstruct_parameters();
       break;
     case Filter::initial_mesh:
-      list = {samples_layer(), selected_only(), exclude_outliers(), method(), maximum_genus()};
+      list = {samples_layer(), selected_only(),    exclude_outliers(),
+              method(),        smooth_for_noise(), maximum_genus()};
       append(list, solid_parameters());
       append(list, shrink_parameters());
       break;
@@ -381,10 +391,11 @@ std::vector<Parameter> parameters_of(Filter filter) {
       break;
     case Filter::parametric_surface:
       list = {
-          samples_layer(),  mesh_layer("The control mesh: a closed 2-manifold. It is not changed."),
-          selected_only(),  exclude_outliers(),
-          method(),         neighbours(),
-          fit_iterations(), attraction()};
+          samples_layer(), mesh_layer("The control mesh: a closed 2-manifold. It is not changed."),
+          selected_only(), exclude_outliers(),
+          method(),        smooth_for_noise(),
+          neighbours(),    fit_iterations(),
+          attraction()};
       break;
     case Filter::complete_matching:
       list = {samples_layer(),

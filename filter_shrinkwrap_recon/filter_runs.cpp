@@ -275,10 +275,12 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
 FilterOutcome run_initial_mesh(const FilterRequest& request, const FilterInput& input,
                                Progress& progress) {
   FilterOutcome outcome;
-  const PointCloud cloud = prepare_oriented(input, request.options, progress, outcome);
-  tell_of_noise(estimate_noise(cloud, request.options.noise, progress).median, request.options,
-                outcome);
-  const InitialMesh initial = make_initial_mesh(cloud, request.options.initial_mesh, progress);
+  ReconstructionOptions options = request.options;
+  PointCloud cloud = prepare(input, options, progress, outcome);
+  const CloudReport samples = orient_and_smooth(cloud, options, progress);
+  warn_of(samples.orientation, outcome.warnings);
+  tell_of_noise(samples.noise, options, outcome);
+  const InitialMesh initial = make_initial_mesh(cloud, options.initial_mesh, progress);
   warn_of(initial.report, outcome.warnings);
   outcome.log.push_back(surface_verdict("initial mesh", initial.mesh));
   outcome.mesh = to_result(initial.mesh, cloud.frame);
@@ -303,9 +305,11 @@ FilterOutcome run_control_mesh(const FilterRequest& request, const FilterInput& 
 FilterOutcome run_parametric_surface(const FilterRequest& request, const FilterInput& input,
                                      Progress& progress) {
   FilterOutcome outcome;
-  const PointCloud cloud = prepare_oriented(input, request.options, progress, outcome);
+  ReconstructionOptions options = request.options;
+  PointCloud cloud = prepare(input, options, progress, outcome);
+  warn_of(orient_and_smooth(cloud, options, progress).orientation, outcome.warnings);
   const ParametricSurface surface = make_parametric_surface(
-      closed_surface(input.mesh, cloud.frame), cloud, request.options.parametric_surface, progress);
+      closed_surface(input.mesh, cloud.frame), cloud, options.parametric_surface, progress);
   outcome.log.push_back("distance of the vertices from the samples' surface: mean " +
                         formatted("%.3f", surface.report.mean_distance) + ", greatest " +
                         formatted("%.3f", surface.report.max_distance) + " spacings");

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "morton.h"
 #include "parallel.h"
@@ -142,15 +143,13 @@ class Denoiser {
     std::array<Moments, kMostSizes> rings;
     const double largest = squared_radius_[sizes - 1];
     const auto& points = cloud_.search.ordered_points();
-    // Samples of the corners of the cylinder are few, and left out.
-    const double reach = std::sqrt(largest) / axes.scale;
+    const double reach = std::sqrt(2.0 * largest) / axes.scale;
     cloud_.search.for_each_near_box(axes.origin, axes.origin, reach, [&](VoxelSearch::Range range) {
       for (Index i = range.begin; i < range.end; ++i) {
         const Vec3 offset = axes.scale * (points[i] - axes.origin);
-        const double squared_distance = offset.squaredNorm();
-        if (squared_distance > largest) continue;
         const double z = offset.dot(axes.normal);
-        const double extent = std::max(squared_distance - z * z, z * z);
+        const double extent = std::max(offset.squaredNorm() - z * z, z * z);
+        if (extent > largest) continue;
         // Across a thin wall lie samples of another surface.
         const Index other = cloud_.search.ordered_index()[i];
         if (!(cloud_.normal[other].dot(cloud_.normal[sample]) > 0.0f)) continue;

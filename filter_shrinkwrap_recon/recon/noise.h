@@ -10,8 +10,9 @@ struct NoiseOptions {
   /// Above this the surface through the samples is rough (x local spacing): measured 0.24 and more
   /// on clouds with noise of 0.25 and more, 0.16 and less on clean ones.
   double high = 0.2;
-  /// If noise is high and the parametric surface is the result, it is made smoother, by one unit
-  /// for every `smooth_unit` of the upper fifth beyond `smooth_from`, at most `most_units`.
+  /// If the parametric surface of a noisy cloud is the result, normals and voxels are made wider,
+  /// by one unit for every `smooth_unit` of the upper fifth beyond `smooth_from`, at most
+  /// `most_units`.
   double smooth_from = 0.3;
   double smooth_unit = 0.25;
   double most_units = 1.5;

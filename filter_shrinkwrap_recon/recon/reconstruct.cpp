@@ -91,6 +91,32 @@ bool are_of_single_precision(const std::vector<Vec3>& points) {
                      [](const Vec3& p) { return !p.allFinite() || rounded_to_single(p) == p; });
 }
 
+// Measures and orients the normals of a noisy cloud anew over wider neighbourhoods, moves its
+// samples onto the surface that they scatter about, and enlarges the voxels, the more so the
+// noisier the samples are.
+void smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise, ReconstructionOptions& options,
+                      OrientationReport& orientation, Progress& progress) {
+  constexpr double kWider = 1.0, kLargerVoxels = 0.35;
+  constexpr double kAttraction = 0.4, kRelaxation = 0.3;  // from one unit on
+  const NoiseOptions& limits = options.noise;
+  const double units = std::clamp((noise.upper_fifth - limits.smooth_from) / limits.smooth_unit,
+                                  0.0, std::max(limits.most_units, 0.0));
+  const int neighbours = options.samples.neighbours;
+  if (units > 0.0) {
+    const int wider = static_cast<int>(std::lround(neighbours * (1.0 + kWider * units)));
+    OrientationOptions orientation_options = options.orientation;
+    orientation_options.plane_neighbours = std::max(orientation_options.plane_neighbours, wider);
+    measure_neighbourhoods(cloud, wider, progress);
+    orientation = orient_normals(cloud, orientation_options, progress);
+  }
+  denoise(cloud, noise.median, neighbours, options.denoising, progress);
+  options.initial_mesh.voxel_size *= 1.0 + kLargerVoxels * units;
+  const double part = std::min(units, 1.0);
+  const auto towards = [&](double& value, double at_one) { value += part * (at_one - value); };
+  towards(options.parametric_surface.attraction, kAttraction);
+  towards(options.parametric_surface.relaxation, kRelaxation);
+}
+
 Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions options,
                    Progress& progress) {
   Reconstruction result;
@@ -108,12 +134,9 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   }
   result.spacing = cloud.frame.to_input_length(cloud.spacing);
 
-  result.orientation = orient_normals(cloud, options.orientation, progress);
-  const NoiseEstimate noise = estimate_noise(cloud, options.noise, progress);
-  result.noise = noise.median;
-  const bool is_robust = options.initial_mesh.start == InitialMeshOptions::Start::winding_number;
-  if (options.stop_at_parametric_surface && is_robust)
-    smooth_for_noise(cloud, noise, options, result.orientation, progress);
+  const CloudReport samples = orient_and_smooth(cloud, options, progress);
+  result.orientation = samples.orientation;
+  result.noise = samples.noise;
   log.add(Stage::orientation, cloud.size());
 
   SurfaceMesh mesh;
@@ -135,7 +158,6 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
     log.add(Stage::control_mesh, mesh.vertex_count(), in_input_frame);
   }
   {
-    if (options.stop_at_parametric_surface) options.parametric_surface.fine_enough = 0.0;
     ParametricSurface parametric =
         make_parametric_surface(std::move(mesh), cloud, options.parametric_surface, progress);
     result.parametric_surface = parametric.report;
@@ -212,28 +234,18 @@ ReconstructionOptions as_in_the_paper() {
   return options;
 }
 
-void smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise, ReconstructionOptions& options,
-                      OrientationReport& orientation, Progress& progress) {
-  constexpr double kWider = 1.0, kLargerVoxels = 0.35;
-  constexpr double kAttraction = 0.4, kRelaxation = 0.3;  // from one unit on
-  if (!(noise.median > options.denoising.from)) return;
-  const NoiseOptions& limits = options.noise;
-  const double units = std::clamp((noise.upper_fifth - limits.smooth_from) / limits.smooth_unit,
-                                  0.0, std::max(limits.most_units, 0.0));
-  const int neighbours = options.samples.neighbours;
-  if (units > 0.0) {
-    const int wider = static_cast<int>(std::lround(neighbours * (1.0 + kWider * units)));
-    OrientationOptions orientation_options = options.orientation;
-    orientation_options.plane_neighbours = std::max(orientation_options.plane_neighbours, wider);
-    measure_neighbourhoods(cloud, wider, progress);
-    orientation = orient_normals(cloud, orientation_options, progress);
-  }
-  denoise(cloud, noise.median, neighbours, options.denoising, progress);
-  options.initial_mesh.voxel_size *= 1.0 + kLargerVoxels * units;
-  const double part = std::min(units, 1.0);
-  const auto towards = [&](double& value, double at_one) { value += part * (at_one - value); };
-  towards(options.parametric_surface.attraction, kAttraction);
-  towards(options.parametric_surface.relaxation, kRelaxation);
+CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
+                              Progress& progress) {
+  CloudReport report;
+  report.orientation = orient_normals(cloud, options.orientation, progress);
+  const NoiseEstimate noise = estimate_noise(cloud, options.noise, progress);
+  report.noise = noise.median;
+  if (!options.stop_at_parametric_surface) return report;
+  options.parametric_surface.fine_enough = 0.0;
+  const bool is_robust = options.initial_mesh.start == InitialMeshOptions::Start::winding_number;
+  if (is_robust && noise.median > options.denoising.from)
+    smooth_for_noise(cloud, noise, options, report.orientation, progress);
+  return report;
 }
 
 std::vector<Stage> stages_of(const ReconstructionOptions& options) {

@@ -87,13 +87,19 @@ struct Reconstruction {
 Reconstruction reconstruct(const std::vector<Vec3>& points, const ReconstructionOptions& options,
                            Progress& progress);
 
-/// What a run that stops at the parametric surface does about noise, if there is more than
-/// `options.denoising.from`: measures and orients the normals anew over wider neighbourhoods, moves
-/// the samples onto the surface that they scatter about, and enlarges the voxels in `options`, the
-/// more so the noisier the samples are (`options.noise`). Pre: `orient_normals` was called on the
-/// cloud; its report is `orientation`, which is replaced if it is called again.
-void smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise, ReconstructionOptions& options,
-                      OrientationReport& orientation, Progress& progress);
+struct CloudReport {
+  OrientationReport orientation;
+  double noise = 0.0;  ///< of the samples, x spacing
+};
+
+/// Orients the normals and estimates the noise. If the run stops at the parametric surface, and
+/// there is more noise than `options.denoising.from`, then the samples are moved onto the surface
+/// that they scatter about, with normals of neighbourhoods that are the wider the noisier the
+/// samples are, and `options` of the later stages are changed to suit (larger voxels; see
+/// NoiseOptions). A chain of stages gives the same as `reconstruct` if each begins with this. Pre:
+/// the cloud was prepared with `options.samples`.
+CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
+                              Progress& progress);
 
 /// The stages that a run with these options passes, for the construction of its Progress.
 std::vector<Stage> stages_of(const ReconstructionOptions& options);
