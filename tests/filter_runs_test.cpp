@@ -99,6 +99,20 @@ INSTANTIATE_TEST_SUITE_P(
                       ChainCase{"with_outliers", ShapeKind::blob, {{"ExcludeOutliers", 0}}}),
     [](const auto& test) { return test.param.name; });
 
+TEST(FilterRuns, ChainToTheSurfaceOfANoisyCloudGivesTheBytesOfTheOneShot) {
+  SampleDefects defects;
+  defects.noise = 0.6;
+  FilterInput input;
+  input.points = in_single_precision(sample_shape(ShapeKind::torus, 2500, 3, defects));
+  const ParameterValues stop = {{"StopAtParametricSurface", 1}};
+  const FilterOutcome one_shot = run(Filter::reconstruct, input, stop);
+  FilterOutcome chain = run(Filter::initial_mesh, input, stop);
+  chain = run(Filter::control_mesh, through_layer(input.points, chain));
+  const FilterInput control = through_layer(input.points, chain);
+  expect_same_bytes(one_shot.mesh, run(Filter::parametric_surface, control, stop).mesh);
+  EXPECT_NE(one_shot.mesh.position, run(Filter::parametric_surface, control).mesh.position);
+}
+
 TEST(FilterRuns, KeptStagesAreThoseOfTheChain) {
   const std::vector<Vec3> points = in_single_precision(sample_shape(ShapeKind::blob, 1500, 5));
   FilterInput input;

@@ -43,6 +43,7 @@ TEST(Noise, GrowsBeyondThat) {
   const double half = noise_of(noisy(ShapeKind::torus, 5000, 2, 0.5));
   const double one = noise_of(noisy(ShapeKind::torus, 5000, 2, 1.0));
   EXPECT_GT(one, half + 0.1);
+  EXPECT_GT(one, 0.67) << "neighbourhoods of 16 alone give 0.65";
 }
 
 TEST(Noise, CleanCloudsAreNotCalledNoisy) {
@@ -97,8 +98,9 @@ TEST(Noise, TheParametricSurfaceOfANoisyCloudIsSmoothedForIt) {
   EXPECT_EQ(smooth.report.genus, shape_of(kind).genus);
   EXPECT_EQ(smooth.report.self_intersecting_faces, 0);
   options.noise.most_units = 0.0;
+  options.denoising.from = 1e6;
   const Reconstruction rough = surface_with(options);
-  EXPECT_LT(mean_error(smooth), 0.8 * mean_error(rough));
+  EXPECT_LT(mean_error(smooth), 0.5 * mean_error(rough));
 }
 
 TEST(Noise, FewSamplesTellNothing) {

@@ -1,0 +1,178 @@
+#include "denoising.h"
+
+#include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+
+#include "noise.h"
+#include "orientation.h"
+#include "reconstruct.h"
+#include "shapes.h"
+#include "tangent_target.h"
+
+namespace {
+
+using namespace shrinkwrap;
+using namespace shrinkwrap::testing;
+
+std::vector<Vec3> noisy(ShapeKind kind, Index count, unsigned seed, double noise) {
+  SampleDefects defects;
+  defects.noise = noise;
+  return sample_shape(kind, count, seed, defects);
+}
+
+PointCloud oriented(const std::vector<Vec3>& points, int neighbours = 16) {
+  Progress silent;
+  SampleOptions samples;
+  samples.neighbours = neighbours;
+  PointCloud cloud = prepare_samples(points, samples, silent);
+  orient_normals(cloud, {}, silent);
+  return cloud;
+}
+
+PointCloud denoised(const std::vector<Vec3>& points, const DenoisingOptions& options = {}) {
+  Progress silent;
+  PointCloud cloud = oriented(points);
+  denoise(cloud, estimate_noise(cloud, {}, silent).median, 16, options, silent);
+  return cloud;
+}
+
+struct Errors {
+  double size = 0.0;     // mean absolute distance from the shape, x spacing of the samples
+  double outward = 0.0;  // mean signed distance
+  double cosine = 0.0;   // mean, of the angle between the normals and the shape's
+};
+
+Errors errors_of(const PointCloud& cloud, const Shape& shape, double spacing) {
+  Errors errors;
+  for (Index i = 0; i < cloud.size(); ++i) {
+    const Vec3 p = cloud.frame.to_input(cloud.position[i]);
+    const double distance = shape.implicit(p) / spacing;
+    errors.size += std::abs(distance) / cloud.size();
+    errors.outward += distance / cloud.size();
+    errors.cosine += cloud.normal[i].cast<double>().dot(shape.normal(p)) / cloud.size();
+  }
+  return errors;
+}
+
+// Gaussian noise of deviation d is 0.8 d from the surface on average; the mean over a disc of 16
+// samples would leave a quarter of that.
+TEST(Denoising, MovesSamplesOntoTheSurface) {
+  for (const ShapeKind kind : {ShapeKind::torus, ShapeKind::blob})
+    for (const double noise : {0.1, 0.25, 0.5, 1.0}) {
+      const Shape shape = shape_of(kind);
+      SCOPED_TRACE(shape.name + " " + std::to_string(noise));
+      const std::vector<Vec3> points = noisy(kind, 8000, 1, noise);
+      const PointCloud before = oriented(points), after = denoised(points);
+      const double spacing = before.frame.to_input_length(before.spacing);
+      const Errors was = errors_of(before, shape, spacing), is = errors_of(after, shape, spacing);
+      EXPECT_LT(is.size, 0.35 * was.size);
+      EXPECT_LT(std::abs(is.outward), 0.1 * was.size) << "neither shrunk nor grown";
+      EXPECT_GT(is.cosine, was.cosine);
+      EXPECT_GT(is.cosine, 0.98);
+    }
+}
+
+TEST(Denoising, LeavesDetailWhereItIs) {
+  const Shape box = shape_of(ShapeKind::box);
+  const std::vector<Vec3> points = sample_shape(ShapeKind::box, 6000, 2);
+  const PointCloud before = oriented(points), after = denoised(points);
+  const double spacing = before.frame.to_input_length(before.spacing);
+  EXPECT_LT(errors_of(after, box, spacing).size, 0.03) << "edges are not rounded without noise";
+
+  const std::vector<Vec3> rough = noisy(ShapeKind::box, 6000, 2, 0.25);
+  DenoisingOptions careless;
+  careless.confidence = careless.misfit = 1e6;
+  const double careful_error = errors_of(denoised(rough), box, spacing).size;
+  EXPECT_LT(careful_error, 0.5 * errors_of(denoised(rough, careless), box, spacing).size);
+}
+
+TEST(Denoising, TellsWhoseTheSamplesAre) {
+  const std::vector<Vec3> points = noisy(ShapeKind::sphere, 3000, 3, 0.5);
+  const PointCloud cloud = denoised(points);
+  ASSERT_TRUE(cloud.is_denoised);
+  std::vector<Index> sorted = cloud.input_index, all(points.size());
+  std::sort(sorted.begin(), sorted.end());
+  std::iota(all.begin(), all.end(), 0);
+  EXPECT_EQ(sorted, all);
+  const double spacing = cloud.frame.to_input_length(cloud.spacing);
+  for (Index i = 0; i < cloud.size(); ++i) {
+    const Vec3 moved = cloud.frame.to_input(cloud.position[i]) - points[cloud.input_index[i]];
+    EXPECT_LT(moved.norm(), 3.5 * spacing);
+    EXPECT_EQ(cloud.neighbours_of(i)[0], i);
+    EXPECT_EQ(cloud.normal[i], cloud.plane[i].normal);
+  }
+}
+
+TEST(Denoising, ThreadsDoNotMatter) {
+  const std::vector<Vec3> points = noisy(ShapeKind::double_torus, 5000, 4, 0.4);
+  const auto with_threads = [&](int threads) {
+    return tbb::task_arena(threads).execute([&] { return denoised(points); });
+  };
+  const PointCloud one = with_threads(1), two = with_threads(2);
+  ASSERT_EQ(one.position.size(), two.position.size());
+  EXPECT_EQ(
+      0, std::memcmp(one.position.data(), two.position.data(), one.position.size() * sizeof(Vec3)));
+  EXPECT_EQ(one.input_index, two.input_index);
+}
+
+// The targets of vertices between denoised samples are on the sphere too: tangent planes are not.
+TEST(Denoising, TargetsBetweenSamplesFollowTheCurvature) {
+  PointCloud cloud = oriented(sample_shape_blue_noise(ShapeKind::sphere, 500, 5));
+  const double spacing = cloud.frame.to_input_length(cloud.spacing);
+  const auto mean_error = [&] {
+    const TangentTarget targets(cloud);
+    Random random(6);
+    double sum = 0.0;
+    for (int n = 0; n < 300; ++n) {
+      const Vec3 normal = random.direction();
+      const Vec3 query = cloud.frame.to_unit(normal);
+      const Vec3 point = targets.find(query, normal, query, kNone).point;
+      sum += std::abs(cloud.frame.to_input(point).norm() - 1.0) / (300.0 * spacing);
+    }
+    return sum;
+  };
+  const double of_planes = mean_error();
+  Progress silent;
+  denoise(cloud, 0.0, 16, {}, silent);
+  EXPECT_LT(mean_error(), 0.01);
+  EXPECT_GT(of_planes, 0.015);
+}
+
+TEST(Denoising, FewSamplesStayWhereTheyAre) {
+  const std::vector<Vec3> points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1.5}};
+  PointCloud cloud = oriented(points);
+  Progress silent;
+  denoise(cloud, 1.0, 16, {}, silent);
+  ASSERT_EQ(cloud.size(), 5);
+  for (Index i = 0; i < cloud.size(); ++i)
+    EXPECT_NEAR((cloud.frame.to_input(cloud.position[i]) - points[cloud.input_index[i]]).norm(),
+                0.0, 1e-6);
+}
+
+Reconstruction reconstruct_with(const std::vector<Vec3>& points,
+                                const ReconstructionOptions& options) {
+  Progress silent;
+  return reconstruct(points, options, silent);
+}
+
+TEST(Denoising, IsOnlyForTheParametricSurfaceOfNoisyClouds) {
+  const std::vector<Vec3> clean = sample_shape(ShapeKind::torus, 3000, 7),
+                          rough = noisy(ShapeKind::torus, 3000, 7, 0.3);
+  ReconstructionOptions surface, never;
+  surface.stop_at_parametric_surface = never.stop_at_parametric_surface = true;
+  never.denoising.from = 1e6;
+  EXPECT_EQ(reconstruct_with(clean, surface).mesh.position,
+            reconstruct_with(clean, never).mesh.position);
+  EXPECT_NE(reconstruct_with(rough, surface).mesh.position,
+            reconstruct_with(rough, never).mesh.position);
+  surface.stop_at_parametric_surface = never.stop_at_parametric_surface = false;
+  EXPECT_EQ(reconstruct_with(rough, surface).mesh.triangles,
+            reconstruct_with(rough, never).mesh.triangles);
+}
+
+}  // namespace
