@@ -107,7 +107,9 @@ class Denoiser {
  public:
   Denoiser(const PointCloud& cloud, double noise, const DenoisingOptions& options)
       : cloud_(cloud), options_(options), sizes_(std::clamp(options.sizes, 1, kMostSizes)) {
-    double radius = std::max(options.first_radius, options.radius_per_noise * noise);
+    double radius = options.first_radius + options.radius_per_noise * noise;
+    least_cosine_ =
+        static_cast<float>(std::max(options.least_cosine - options.cosine_per_noise * noise, 0.0));
     for (int size = 0; size < sizes_; ++size, radius *= options.growth)
       squared_radius_[size] = radius * radius;
   }
@@ -150,9 +152,8 @@ class Denoiser {
         const double z = offset.dot(axes.normal);
         const double extent = std::max(offset.squaredNorm() - z * z, z * z);
         if (extent > largest) continue;
-        // Across a thin wall lie samples of another surface.
         const Index other = cloud_.search.ordered_index()[i];
-        if (!(cloud_.normal[other].dot(cloud_.normal[sample]) > 0.0f)) continue;
+        if (!(cloud_.normal[other].dot(cloud_.normal[sample]) > least_cosine_)) continue;
         int size = 0;
         while (extent > squared_radius_[size]) ++size;
         rings[size].add(offset.dot(axes.u), offset.dot(axes.v), z);
@@ -208,6 +209,7 @@ class Denoiser {
   const PointCloud& cloud_;
   const DenoisingOptions& options_;
   int sizes_;
+  float least_cosine_ = 0.0f;
   std::array<double, kMostSizes> squared_radius_{};  // x local spacing
 };
 

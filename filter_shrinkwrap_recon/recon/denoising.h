@@ -9,10 +9,14 @@ struct DenoisingOptions {
   /// Clouds with less noise are left as they are (x local spacing): clean ones, for example, whose
   /// finest detail looks like noise of up to 0.06.
   double from = 0.08;
-  double first_radius = 2.3;  ///< x local spacing, of the smallest neighbourhood: 16 samples ...
-  double radius_per_noise = 6.0;  ///< ... but at least this many times the noise
-  double growth = 1.25;           ///< of the radius from one neighbourhood to the next
-  int sizes = 6;                  ///< of neighbourhoods, at most 8
+  /// Radius of the smallest neighbourhood, x local spacing: `first_radius`, and so many times the
+  /// noise. 12 samples without noise, 50 with a noise of 0.7.
+  double first_radius = 1.7, radius_per_noise = 3.3;
+  /// Samples whose normals differ more lie beyond an edge: the cosine must exceed `least_cosine`,
+  /// less so many times the noise, which turns the normals.
+  double least_cosine = 0.8, cosine_per_noise = 0.35;
+  double growth = 1.25;  ///< of the radius from one neighbourhood to the next
+  int sizes = 6;         ///< of neighbourhoods, at most 8
   /// Intervals around the height and the slopes of a quadric, of this many standard errors to
   /// either side, must have a point in common with those of all smaller neighbourhoods ...
   double confidence = 2.0;
