@@ -19,6 +19,7 @@ constexpr double kOwnRoughness =
 // A sample at height h over a patch has no neighbour within that, and lifts the deviation of its
 // neighbourhood of k to about h / sqrt(k).
 constexpr double kGapOfHeight = 0.8, kDeviationOfHeight = 0.15;
+constexpr int kRingsGoneOn = 2;
 // x median spacing: no sample reaches farther than if it were so isolated.
 constexpr double kGreatestSpacing = 4.0;
 constexpr double kPi = 3.14159265358979323846;
@@ -121,7 +122,7 @@ class OutlierSearch {
     keep_more([&](Index i) { return !core_[i] && is_held(i, options_.reach_of_others); });
     keep_more([&](Index i) { return !core_[i] && is_held(i, options_.reach_beyond); });
     keep_more([&](Index i) { return is_supported(i); });
-    keep_more([&](Index i) { return goes_on(i); });
+    for (int ring = 0; ring < kRingsGoneOn; ++ring) keep_more([&](Index i) { return goes_on(i); });
   }
 
   // Keeps those of the samples left over of which `belongs` says so, all at once.
@@ -149,21 +150,23 @@ class OutlierSearch {
     return support >= options_.support * (cloud_.neighbour_count - 1);
   }
 
-  // Whether a sample goes on a surface sampled more sparsely: a patch of close samples among wide
-  // ones is detached if measured by its own spacing alone.
+  // Whether a sample goes on a surface, by the spacing and the plane of the sample there: a patch
+  // of close samples among wide ones is detached if measured by its own spacing, and the sparsest
+  // part of a surface looks like a haze.
   bool goes_on(Index sample) const {
     const Vec3& p = cloud_.position[sample];
     const auto is_near = [&](Index other) {
-      const double distance = options_.reach * cloud_.local_spacing[other];
+      const double distance = options_.reach_going_on * cloud_.local_spacing[other];
       return kept_[other] && (cloud_.position[other] - p).squaredNorm() <= distance * distance;
     };
     const Index near =
-        cloud_.search.nearest_if(p, options_.reach * kGreatestSpacing * cloud_.spacing, is_near)
+        cloud_.search
+            .nearest_if(p, options_.reach_going_on * kGreatestSpacing * cloud_.spacing, is_near)
             .index;
     if (near == kNone) return false;
     const double height =
         std::abs((p - cloud_.position[near]).dot(cloud_.normal[near].cast<double>()));
-    return height <= 2.0 * options_.slope * cloud_.local_spacing[near];
+    return height <= options_.slope * cloud_.local_spacing[near];
   }
 
   // The nearest sample that `accept` is true of, no farther than `reach` times the smaller of the

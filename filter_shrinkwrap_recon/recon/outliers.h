@@ -25,9 +25,11 @@ struct OutlierOptions {
       0.23;           ///< mean deviation of neighbourhoods from their planes, x radius, at most
   double gap = 1.25;  ///< distance from the nearest neighbour, x its spacing, at most
 
-  // A sample that nothing holds stays if it lies in the planes of its neighbours.
-  double slope = 0.25;   ///< height over the plane of a neighbour, x distance from it, at most
-  double support = 0.6;  ///< part of the neighbours of which that is true, at least
+  // A sample that nothing holds stays if it lies in the planes of its neighbours, or near enough in
+  // that of the nearest one that stays.
+  double slope = 0.25;  ///< height over the plane of a neighbour, x distance from it, at most
+  double reach_going_on = 2.0;  ///< x spacing of that one; the slope is of this too
+  double support = 0.6;         ///< part of the neighbours of which that is true, at least
 
   // A sample that is held is stray if it juts out of a patch that is flat without it.
   double height = 2.5;             ///< over the plane of its neighbours, x their spacing, at least
