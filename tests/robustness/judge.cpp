@@ -99,20 +99,23 @@ Index count_unused(const ResultMesh& mesh) {
   return static_cast<Index>(std::count(used.begin(), used.end(), false));
 }
 
-// Scaled first: a volume of 1e-40 or 1e40 is beyond the range of the sum.
-double signed_volume(const ResultMesh& mesh) {
+// By the sign of the volume, scaled first: one of 1e-40 or 1e40 is beyond the range of the sum. Of
+// a mesh as thin as the rounding of the sum, which points of garbage give, either side will do.
+bool is_outward(const ResultMesh& mesh) {
   Eigen::AlignedBox3d box;
   for (const Vec3& p : mesh.position) box.extend(p);
   const Vec3 origin = 0.5 * box.min() + 0.5 * box.max();
   const double size = 0.5 * box.max().maxCoeff() - 0.5 * box.min().minCoeff();
-  double volume = 0.0;
+  constexpr double kRounding = 1e-15;
+  double volume = 0.0, sum_of_sizes = 0.0;
   for (const auto& [a, b, c] : mesh.triangles) {
     const auto corner = [&](Index v) {
       return Vec3((mesh.position[static_cast<std::size_t>(v)] - origin) / size);
     };
     volume += corner(a).dot(corner(b).cross(corner(c)));
+    sum_of_sizes += corner(a).norm() * corner(b).norm() * corner(c).norm();
   }
-  return volume;
+  return volume > -kRounding * sum_of_sizes;
 }
 
 }  // namespace
@@ -131,7 +134,7 @@ Judgement judge(const std::vector<Vec3>& points, const std::vector<Index>& left_
                        (topology.bad_vertices == 0 || judgement.border_edges > 0);
   if (!judgement.manifold || !judgement.closed()) return judgement;
   judgement.genus = topology.genus();
-  judgement.outward = signed_volume(mesh) > 0.0;
+  judgement.outward = is_outward(mesh);
   if (count_intersections) {
     const IntersectingFaces faces = count_intersecting_faces(mesh);
     judgement.intersecting = faces.intersecting;
