@@ -308,8 +308,15 @@ FilterOutcome run_parametric_surface(const FilterRequest& request, const FilterI
   ReconstructionOptions options = request.options;
   PointCloud cloud = prepare(input, options, progress, outcome);
   warn_of(orient_and_smooth(cloud, options, progress).orientation, outcome.warnings);
-  const ParametricSurface surface = make_parametric_surface(
-      closed_surface(input.mesh, cloud.frame), cloud, options.parametric_surface, progress);
+  ParametricSurface surface = make_parametric_surface(closed_surface(input.mesh, cloud.frame),
+                                                      cloud, options.parametric_surface, progress);
+  if (options.stop_at_parametric_surface) {
+    RelaxationReport relaxation =
+        relax_self_intersections(surface.mesh, options.relaxation, progress);
+    if (relaxation.faces_before > 0) outcome.log.push_back(relaxation_line(relaxation));
+    warn_of_intersections(relaxation.faces_after, outcome.warnings);
+    outcome.marked_faces = std::move(relaxation.remaining_faces);
+  }
   outcome.log.push_back("distance of the vertices from the samples' surface: mean " +
                         formatted("%.3f", surface.report.mean_distance) + ", greatest " +
                         formatted("%.3f", surface.report.max_distance) + " spacings");

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <Eigen/Geometry>
+
 #include "expect_mesh.h"
 #include "self_intersection.h"
 #include "shapes.h"
@@ -67,14 +69,68 @@ TEST(IntersectionRelaxation, PutsBackWhatDidNotHelp) {
   expect_same_mesh(mesh, before);
 }
 
+// Two small bodies through each other all over, beside a torus that can be mended: smoothed as a
+// whole they would shrink to points.
+TEST(IntersectionRelaxation, LeavesWholeBodiesAlone) {
+  const SurfaceMesh torus = shaken_torus(0.2), ball = icosphere(0);
+  std::vector<Vec3> position = torus.position;
+  std::vector<Triangle> triangles = torus.triangles();
+  for (const double turn : {0.0, 0.3}) {
+    const Eigen::AngleAxisd turned(turn, Vec3(1.0, 2.0, 3.0).normalized());
+    const Index first = static_cast<Index>(position.size());
+    for (const Vec3& p : ball.position)
+      position.push_back(0.1 * (turned * p) + Vec3(5.0, 0.0, 0.0));
+    for (Triangle t : ball.triangles()) {
+      for (Index& v : t) v += first;
+      triangles.push_back(t);
+    }
+  }
+  SurfaceMesh mesh = SurfaceMesh::from_triangles(std::move(position), triangles);
+  const SurfaceMesh before = mesh;
+  Progress silent;
+  const RelaxationReport report = relax_self_intersections(mesh, {}, silent);
+  EXPECT_LT(report.faces_after, report.faces_before);
+  EXPECT_EQ(report.remaining_faces, faces_that_meet(mesh));
+  EXPECT_GT(report.faces_after, 0);
+  for (const Index f : report.remaining_faces)
+    EXPECT_GT(mesh.position[mesh.triangle(f)[0]].x(), 4.0) << "face " << f;
+  for (Index v = 0; v < mesh.vertex_slots(); ++v)
+    EXPECT_TRUE(before.position[v].x() < 4.0 || mesh.position[v] == before.position[v]);
+}
+
+TEST(IntersectionRelaxation, LeavesAHeapAlone) {
+  SurfaceMesh mesh = torus_mesh(60, 24);
+  Random random(4);
+  for (Vec3& p : mesh.position) p = random.in_cube();
+  const SurfaceMesh before = mesh;
+  Progress silent;
+  const RelaxationReport report = relax_self_intersections(mesh, {}, silent);
+  EXPECT_EQ(report.rounds, 0);
+  EXPECT_EQ(report.faces_after, report.faces_before);
+  expect_same_mesh(mesh, before);
+}
+
 TEST(IntersectionRelaxation, DoesNotDependOnThreads) {
   SurfaceMesh meshes[2] = {shaken_torus(0.3), shaken_torus(0.3)};
+  RelaxationReport reports[2];
   for (const std::size_t threads : {1, 2}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     Progress silent;
-    relax_self_intersections(meshes[threads - 1], {}, silent);
+    reports[threads - 1] = relax_self_intersections(meshes[threads - 1], {}, silent);
   }
+  EXPECT_GT(reports[0].moved, 0);
+  EXPECT_EQ(reports[0].moved, reports[1].moved);
+  EXPECT_EQ(reports[0].remaining_faces, reports[1].remaining_faces);
   expect_same_mesh(meshes[0], meshes[1]);
+}
+
+TEST(IntersectionRelaxation, CanBeCancelled) {
+  SurfaceMesh mesh = shaken_torus(0.3);
+  bool goes_on = true;
+  Progress refused([&](double, const char*) { return goes_on; }, {Stage::parametric_surface});
+  refused.begin(Stage::parametric_surface);
+  goes_on = false;
+  EXPECT_THROW(relax_self_intersections(mesh, {}, refused), Cancelled);
 }
 
 }  // namespace

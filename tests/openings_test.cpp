@@ -73,8 +73,7 @@ TEST(Openings, ANarrowOneIsSpannedByFacesThatTellTheirWidth) {
   }
 }
 
-// --- what is decided about faces that a test chose
-// -------------------------------------------------
+// --- what is decided about faces that a test chose ---
 
 struct Decision {
   CompleteMatching matching;

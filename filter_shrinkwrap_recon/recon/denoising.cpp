@@ -19,6 +19,11 @@ constexpr int kPowers = 15;       // u^a v^b up to the fourth degree
 constexpr int kChecked = 3;       // height and slopes
 constexpr int kMostSizes = 8;
 constexpr int kLeastSamples = 2 * kCoefficients;
+// Neighbourhoods are bounded, so that no sample looks at all the others: their radius does not grow
+// for more noise than this (in spacings), nor for a spacing beyond so many times the median.
+constexpr double kGreatestNoise = 1.0, kGreatestSpacing = 4.0;
+// Variances of height and slopes for noise of 1, of a fit that says nothing (samples in a line).
+constexpr double kGreatestVariance = 4.0;
 constexpr int kPooled = 16;  // neighbours whose residuals make the noise around a sample
 
 using Coefficients = Eigen::Matrix<double, kCoefficients, 1>;
@@ -76,7 +81,7 @@ struct Quadric {
     }
     squared_residual =
         std::max(moments.squares - coefficient.dot(moments.height), 0.0) / moments.freedom();
-    is_valid = coefficient.allFinite() && variance.head<kChecked>().allFinite();
+    is_valid = coefficient.allFinite() && variance.head<kChecked>().maxCoeff() <= kGreatestVariance;
   }
 };
 
@@ -107,6 +112,7 @@ class Denoiser {
  public:
   Denoiser(const PointCloud& cloud, double noise, const DenoisingOptions& options)
       : cloud_(cloud), options_(options), sizes_(std::clamp(options.sizes, 1, kMostSizes)) {
+    noise = std::min(noise, kGreatestNoise);
     double radius = options.first_radius + options.radius_per_noise * noise;
     least_cosine_ =
         static_cast<float>(std::max(options.least_cosine - options.cosine_per_noise * noise, 0.0));
@@ -135,8 +141,9 @@ class Denoiser {
   };
   Axes axes_at(Index sample) const {
     const Vec3 normal = cloud_.normal[sample].cast<double>(), u = normal.unitOrthogonal();
-    return {cloud_.position[sample], normal, u, normal.cross(u),
-            1.0 / cloud_.local_spacing[sample]};
+    return {
+        cloud_.position[sample], normal, u, normal.cross(u),
+        1.0 / std::min<double>(cloud_.local_spacing[sample], kGreatestSpacing * cloud_.spacing)};
   }
 
   // The samples around one, by the smallest of `sizes` neighbourhoods that holds them: a cylinder
@@ -194,6 +201,7 @@ class Denoiser {
       sum += rings[size];
       const Quadric quadric(sum);
       if (!quadric.is_valid) continue;
+      if (std::abs(quadric.coefficient[0]) > std::sqrt(squared_radius_[size])) break;
       const double expected =
           deviation * deviation * (1.0 + options_.misfit * std::sqrt(2.0 / sum.freedom()));
       const bool fits = is_first || quadric.squared_residual <= expected;

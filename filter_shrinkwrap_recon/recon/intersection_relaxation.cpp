@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <iterator>
 #include <memory>
 #include <utility>
 
@@ -68,6 +69,72 @@ std::vector<Index> faces_that_meet(const SurfaceMesh& mesh, const BoxTree& tree,
   return found;
 }
 
+// Moves vertices, and remembers where they were.
+class Relaxation {
+ public:
+  Relaxation(SurfaceMesh& mesh, const RelaxationOptions& options, Progress& progress)
+      : mesh_(mesh),
+        options_(options),
+        progress_(progress),
+        components_(connected_components(mesh, progress)),
+        size_(static_cast<std::size_t>(components_.count), 0),
+        has_moved_(mesh.position.size(), 0) {
+    for (const Index component : components_.of_vertex)
+      if (component != kNone) ++size_[component];
+  }
+
+  // Smooths these faces and some rings around them; returns the faces that have changed, ascending.
+  std::vector<Index> smooth_around(const std::vector<Index>& faces, int rings) {
+    std::vector<Index> region = vertices_of(mesh_, faces);
+    for (int ring = 0; ring < rings; ++ring) {
+      progress_.update(0.0);
+      region = vertices_of(mesh_, faces_around(mesh_, region));
+    }
+    leave_out_whole_bodies(region);
+    for (const Index v : region)
+      if (!has_moved_[v]) {
+        has_moved_[v] = 1;
+        original_.emplace_back(v, mesh_.position[v]);
+      }
+    const Index count = static_cast<Index>(region.size());
+    moved_.resize(region.size());
+    for (int step = 0; step < options_.steps; ++step) {
+      parallel_for_each(count, kGrain, progress_, [&](Index i) {
+        moved_[i] = mesh_.position[region[i]] +
+                    options_.weight * gather_one_ring(mesh_, region[i]).laplacian();
+      });
+      for (Index i = 0; i < count; ++i) mesh_.position[region[i]] = moved_[i];
+    }
+    return faces_around(mesh_, region);
+  }
+
+  Index moved() const { return static_cast<Index>(original_.size()); }
+  void put_back() {
+    for (const auto& [v, position] : original_) mesh_.position[v] = position;
+  }
+
+ private:
+  // Without a vertex that stays, a body would shrink to a point.
+  void leave_out_whole_bodies(std::vector<Index>& region) const {
+    std::vector<Index> count(size_.size(), 0);
+    for (const Index v : region) ++count[components_.of_vertex[v]];
+    const auto is_whole = [&](Index v) {
+      const Index component = components_.of_vertex[v];
+      return count[component] == size_[component];
+    };
+    region.erase(std::remove_if(region.begin(), region.end(), is_whole), region.end());
+  }
+
+  SurfaceMesh& mesh_;
+  const RelaxationOptions& options_;
+  Progress& progress_;
+  const MeshComponents components_;
+  std::vector<Index> size_;  // vertices of each component
+  std::vector<char> has_moved_;
+  std::vector<std::pair<Index, Vec3>> original_;  // of each vertex that moved
+  std::vector<Vec3> moved_;
+};
+
 }  // namespace
 
 RelaxationReport relax_self_intersections(SurfaceMesh& mesh, const RelaxationOptions& options,
@@ -80,37 +147,26 @@ RelaxationReport relax_self_intersections(SurfaceMesh& mesh, const RelaxationOpt
   report.faces_before = static_cast<Index>(at_first.size());
 
   std::vector<Index> meeting = at_first;
-  std::vector<std::pair<Index, Vec3>> original;  // of the vertices that moved, several of one
-  std::vector<Vec3> moved;
-  for (; report.rounds < options.max_rounds && !meeting.empty(); ++report.rounds) {
-    progress.update(static_cast<double>(report.rounds) / options.max_rounds);
-    std::vector<Index> region = vertices_of(mesh, meeting);
-    for (int ring = report.rounds / options.rounds_a_ring; ring > 0; --ring)
-      region = vertices_of(mesh, faces_around(mesh, region));
-    for (const Index v : region) original.emplace_back(v, mesh.position[v]);
-    const Index count = static_cast<Index>(region.size());
-    moved.resize(region.size());
-    for (int step = 0; step < options.steps; ++step) {
-      parallel_for_each(count, kGrain, progress, [&](Index i) {
-        moved[i] = mesh.position[region[i]] +
-                   options.weight * gather_one_ring(mesh, region[i]).laplacian();
-      });
-      for (Index i = 0; i < count; ++i) mesh.position[region[i]] = moved[i];
+  if (static_cast<double>(meeting.size()) <= options.most * mesh.face_count()) {
+    Relaxation relaxation(mesh, options, progress);
+    for (; report.rounds < options.max_rounds && !meeting.empty(); ++report.rounds) {
+      progress.update(static_cast<double>(report.rounds) / options.max_rounds);
+      const std::vector<Index> changed =
+          relaxation.smooth_around(meeting, report.rounds / options.rounds_a_ring);
+      for (const Index f : changed) tree.set_box(f, tree.box_of(mesh.position, mesh.triangle(f)));
+      std::vector<Index> now = faces_that_meet(mesh, tree, test, changed, progress);
+      // Faces of bodies that are left alone have not changed, but may still meet others.
+      const std::vector<Index> before = faces_that_meet(mesh, tree, test, meeting, progress);
+      meeting.clear();
+      std::set_union(now.begin(), now.end(), before.begin(), before.end(),
+                     std::back_inserter(meeting));
     }
-    std::vector<Index> changed = faces_around(mesh, region);
-    for (const Index f : changed) tree.set_box(f, tree.box_of(mesh.position, mesh.triangle(f)));
-    meeting = faces_that_meet(mesh, tree, test, changed, progress);
-  }
-  std::stable_sort(original.begin(), original.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  const auto end = std::unique(original.begin(), original.end(),
-                               [](const auto& a, const auto& b) { return a.first == b.first; });
-  original.erase(end, original.end());
-  if (meeting.size() < at_first.size()) {
-    report.moved = static_cast<Index>(original.size());
-  } else {
-    for (const auto& [v, position] : original) mesh.position[v] = position;
-    meeting = at_first;
+    if (meeting.size() < at_first.size()) {
+      report.moved = relaxation.moved();
+    } else {
+      relaxation.put_back();
+      meeting = at_first;
+    }
   }
   report.faces_after = static_cast<Index>(meeting.size());
   report.remaining_faces = std::move(meeting);

@@ -11,8 +11,10 @@ namespace shrinkwrap {
 struct RelaxationOptions {
   int max_rounds = 40;
   int steps = 4;          ///< of smoothing in a round
-  double weight = 0.5;    ///< of a step: part of the way to the mean of the neighbours
+  double weight = 0.5;    ///< of a step: part of the way to the mean of the neighbours, 0 to 1
   int rounds_a_ring = 5;  ///< after so many rounds one more ring of faces around is smoothed too
+  /// If more than this part of the faces meet others, the surface is left as it is: a heap.
+  double most = 0.2;
 };
 
 struct RelaxationReport {

@@ -211,7 +211,7 @@ Components find_components(const std::vector<Index>& next_face, Progress& progre
 }
 
 // A power of two by which the coordinates become so moderate that their products neither vanish nor
-// overflow; they are rounded as without it.
+// overflow; they are rounded as without it, but for those that are 1e300 times smaller.
 int moderating_exponent(const std::vector<Vec3>& positions) {
   constexpr int kMost = 1000;
   double greatest = 0.0;

@@ -26,7 +26,7 @@ struct MeshReport {
       0;  ///< closed components of negative volume (cavities are rightly among them)
   Index genus =
       -1;  ///< summed over components; -1 unless manifold (openings are counted as capped)
-  double volume = 0.0;                 ///< signed, of a closed mesh
+  double volume = 0.0;                 ///< signed, of a closed mesh; may under- or overflow
   bool volume_is_positive = false;     ///< also where the number itself is too small or too large
   Index self_intersecting_faces = -1;  ///< -1: not counted
 

@@ -48,8 +48,8 @@ struct OutlierReport {
   int rounds = 0;       ///< of the search
 };
 
-/// The stray samples of a cloud, ascending, found in one round. O(N) expected, parallel but for the
-/// union-find, the same for any number of threads.
+/// The stray samples of a cloud, ascending, found in one round. O(N) expected, parallel,
+/// the same for any number of threads.
 std::vector<Index> find_outliers(const PointCloud& cloud, const OutlierOptions& options,
                                  Progress& progress);
 

@@ -47,7 +47,7 @@ class PointCloud {
   std::vector<Vec3f> normal;     ///< PCA of the k neighbours; sign arbitrary until `orient_normals`
   std::vector<float> deviation;  ///< of the k neighbours from their plane, root mean square
   std::vector<TangentPlane>
-      plane;  ///< after `orient_normals`: Gaussian mean of the compatible neighbours
+      plane;                 ///< after `orient_normals`: Gaussian mean of the compatible neighbours
   bool is_denoised = false;  ///< samples and planes are those of local quadrics (denoising.h)
 
   Index size() const { return static_cast<Index>(position.size()); }
