@@ -65,7 +65,8 @@ std::string verdict_of(const MeshReport& report) {
 std::string repair_line(const RepairReport& report) {
   return "Self-intersections repaired: " + count_of(report.faces_before, "face") + " met others, " +
          std::to_string(report.faces_after) + " still do, after " +
-         count_of(report.flips, "edge flip");
+         count_of(report.flips, "edge flip") +
+         (report.relocated > 0 ? " and " + count_of(report.relocated, "relocated sample") : "");
 }
 
 std::string relaxation_line(const RelaxationReport& report) {

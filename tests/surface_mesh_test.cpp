@@ -101,6 +101,34 @@ TEST(SurfaceMesh, RandomOperationsKeepAClosedManifold) {
   }
 }
 
+TEST(SurfaceMesh, MovesAVertexFromFaceToFace) {
+  Random random(1);
+  SurfaceMesh mesh = torus_mesh(16, 9);
+  const Index face_count = mesh.face_count() + 2;
+  const Index v = mesh.split_face(7, random.in_cube());
+  for (int i = 0; i < 500; ++i) {
+    const Index h = mesh.outgoing(v), g = mesh.rotate(h), k = mesh.rotate(g);
+    const Triangle ring = {mesh.target(k), mesh.target(h), mesh.target(g)};
+    const Index f = random.below(mesh.face_slots());
+    const Triangle t = mesh.triangle(f);
+    ASSERT_TRUE(mesh.is_move_legal(v));
+    if (std::find(t.begin(), t.end(), v) != t.end()) continue;
+    const Index one = mesh.move_vertex(v, f);
+    Triangle made = mesh.triangle(one);
+    while (made[0] != ring[0]) std::rotate(made.begin(), made.begin() + 1, made.end());
+    ASSERT_EQ(made, ring);
+    ASSERT_EQ(mesh.triangle(f), (Triangle{t[0], t[1], v}));
+    ASSERT_TRUE(mesh.is_consistent());
+  }
+  EXPECT_EQ(mesh.face_count(), face_count);
+  expect_closed_manifold(mesh, 1, 1);
+  EXPECT_FALSE(mesh.is_move_legal(mesh.origin(0))) << "six faces";
+  const SurfaceMesh tetrahedron =
+      SurfaceMesh::from_triangles({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)},
+                                  {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}});
+  for (Index corner = 0; corner < 4; ++corner) EXPECT_FALSE(tetrahedron.is_move_legal(corner));
+}
+
 TEST(SurfaceMesh, CollapsesStopBeforeTheHandleIsLost) {
   SurfaceMesh mesh = torus_mesh(12, 8);
   for (bool found = true; found;) {

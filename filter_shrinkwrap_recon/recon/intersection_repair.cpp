@@ -7,10 +7,10 @@
 #include <iterator>
 #include <utility>
 
-#include "box_tree.h"
 #include "exact_predicates.h"
-#include "self_intersection.h"
-#include "triangle_pair.h"
+#include "face_meetings.h"
+#include "sample_relocation.h"
+#include "triangle_geometry.h"
 
 namespace shrinkwrap {
 namespace {
@@ -28,28 +28,30 @@ constexpr std::int64_t kLeastTrials = 50000;
 // takes thousands, and with coordinates of very different size each is slow.
 constexpr std::int64_t kLeastTests = 1000000;
 constexpr std::int64_t kTestsPerFace = 20;
+constexpr std::int64_t kTrialsOfRelocation = 50;
 constexpr Index kPollInterval = 8;
 
 // What is tried in turn, the next where the one before is of no avail.
 struct Attempt {
-  int look_ahead;     // flips that are tried together
+  int look_ahead;     // flips that are tried together; 0: a sample is relocated
   bool folds_freely;  // without the fold guard
   double least_height = kLeastHeight;
 };
 constexpr Attempt kAttempts[] = {{1, false},
+                                 {0, true},
                                  {2, false},
                                  {1, true},
                                  {2, true},
                                  {1, true, kLeastHeightAtLast},
+                                 {0, true, kLeastHeightAtLast},
                                  {2, true, kLeastHeightAtLast},
                                  {3, true},
                                  {4, true}};
+constexpr std::size_t kAttemptCount = std::size(kAttempts);
 
-// By face slot: removed faces have no valid index, so that trees and tests leave them out.
-std::vector<Triangle> slot_triangles(const SurfaceMesh& mesh) {
-  std::vector<Triangle> triangles(mesh.face_slots());
-  for (Index f = 0; f < mesh.face_slots(); ++f) triangles[f] = mesh.triangle(f);
-  return triangles;
+void sort_and_make_unique(std::vector<Index>& indices) {
+  std::sort(indices.begin(), indices.end());
+  indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
 }
 
 // The two triangles at an edge, or the two that a flip would make of them.
@@ -61,19 +63,6 @@ struct HingeShape {
   double least_height = 1.0;  // of a triangle, as a part of its longest edge
 };
 
-// Unit normal; zero for a degenerate triangle.
-Vec3 unit_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 normal = (b - a).cross(c - a);
-  const double length = normal.norm();
-  return length > 0.0 ? Vec3(normal / length) : Vec3(Vec3::Zero());
-}
-
-double relative_height(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const double longest =
-      std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
-  return longest > 0.0 ? (b - a).cross(c - a).norm() / longest : 0.0;
-}
-
 class Repair {
  public:
   Repair(SurfaceMesh& mesh, const RepairOptions& options, Progress& progress,
@@ -82,13 +71,16 @@ class Repair {
         options_(options),
         progress_(progress),
         fixed_faces_(fixed_faces),
-        test_(mesh.position) {}
+        meetings_(mesh, kLeastTests + kTestsPerFace * mesh.face_slots(), progress) {}
 
   RepairReport run();
 
  private:
-  using Pair = std::pair<Index, Index>;
+  using Pair = FaceMeetings::Pair;
 
+  static std::vector<Index> faces_at(Index h, const SurfaceMesh& mesh) {
+    return {SurfaceMesh::face(h), SurfaceMesh::face(mesh.twin(h))};
+  }
   Hinge hinge_at(Index h) const {
     const Index a = mesh_.origin(h), b = mesh_.target(h);
     return {{{a, b, mesh_.opposite(h)}, {b, a, mesh_.opposite(mesh_.twin(h))}}};
@@ -98,24 +90,10 @@ class Repair {
     const Index c = mesh_.opposite(h), d = mesh_.opposite(mesh_.twin(h));
     return {{{d, c, a}, {c, d, b}}};
   }
-
-  // Calls `fn(g)` for each face but two that a triangle meets.
-  template <class Fn>
-  void for_each_met(const Triangle& t, Index skip_f, Index skip_g, const Fn& fn) const {
-    tree_.for_each_overlap(tree_.box_of(mesh_.position, t), [&](Index g) {
-      --tests_left_;
-      if (g != skip_f && g != skip_g && test_.meet(t, mesh_.triangle(g))) fn(g);
-    });
-  }
-
-  // Pairs that one or both triangles of a hinge are in, if they replace the faces at the edge h.
-  Index count_pairs(Index h, const Hinge& hinge) const {
-    Index count = test_.meet(hinge[0], hinge[1]) ? 1 : 0;
-    for (const Triangle& t : hinge)
-      for_each_met(t, SurfaceMesh::face(h), SurfaceMesh::face(mesh_.twin(h)),
-                   [&](Index) { ++count; });
-    return count;
-  }
+  std::vector<Pair> pairs_at(Index h) const { return meetings_.pairs_of(faces_at(h, mesh_)); }
+  // The pairs of a hinge if it replaces the faces at the edge h. False if they are more than `most`
+  // or if that would take too long to find out.
+  bool find_pairs(Index h, const Hinge& hinge, std::size_t most, std::vector<Pair>& pairs) const;
 
   HingeShape shape_of(Index h, const Hinge& hinge) const;
   bool is_allowed(Index h, const Hinge& then, HingeShape& shape_now, HingeShape& shape_then) const;
@@ -127,23 +105,22 @@ class Repair {
     return mesh_.is_flip_legal(h) && !is_fixed(SurfaceMesh::face(h)) &&
            !is_fixed(SurfaceMesh::face(mesh_.twin(h)));
   }
-  bool has_time() const { return trials_left_ > 0 && tests_left_ > 0; }
-  bool flip_if_better(Index h);
+  bool has_time() const { return trials_left_ > 0 && meetings_.has_tests_left(); }
+  void flip_if_better(Index h);
+  bool flip_together(Index h, int count, std::ptrdiff_t pairs_lost);
+  void relocate(Index v);
   void unfold(const std::vector<Index>& faces);
-  bool flip_together(Index h, int count, Index pairs_lost);
 
-  void flip(Index h) {
+  // The faces at h have these pairs after the flip.
+  void flip(Index h, const std::vector<Pair>& pairs) {
     mesh_.flip(h);
-    update_boxes(h);
+    meetings_.update_boxes(faces_at(h, mesh_));
+    meetings_.replace(faces_at(h, mesh_), pairs);
   }
-  void flip_back(Index h) {
+  void flip_back(Index h, const std::vector<Pair>& pairs) {
     // A quarter turn four times is no turn.
-    for (int i = 0; i < 3; ++i) mesh_.flip(h);
-    update_boxes(h);
-  }
-  void update_boxes(Index h) {
-    for (Index f : {SurfaceMesh::face(h), SurfaceMesh::face(mesh_.twin(h))})
-      tree_.set_box(f, tree_.box_of(mesh_.position, mesh_.triangle(f)));
+    for (int i = 0; i < 2; ++i) mesh_.flip(h);
+    flip(h, pairs);
   }
   void keep(Index h) {
     ++flips_;
@@ -151,30 +128,47 @@ class Repair {
     touched_.push_back(SurfaceMesh::face(mesh_.twin(h)));
   }
 
-  std::vector<Pair> pairs_of(std::vector<Index> faces) const;
-  std::vector<Index> edges_near(std::vector<Index> faces, int rings) const;
+  void try_near(const Attempt& attempt, const std::vector<Index>& faces, double done);
+  std::vector<Index> vertices_of(const std::vector<Index>& faces) const;
+  std::vector<Index> faces_near(std::vector<Index> faces, int rings) const;
+  std::vector<Index> edges_of(const std::vector<Index>& faces) const;
+  std::vector<Index> affected_faces() const;
 
   SurfaceMesh& mesh_;
   const RepairOptions& options_;
   Progress& progress_;
   const std::vector<Index>& fixed_faces_;  // ascending
-  TrianglePairs test_;
-  BoxTree tree_;
+  FaceMeetings meetings_;
   double fold_guard_ = 0.0;
   double least_height_ = kLeastHeight;
-  std::vector<Index> touched_;  // faces that flips changed in this round
-  Index flips_ = 0;
+  std::vector<Index> touched_;  // faces that changed in this round
+  Index flips_ = 0, relocated_ = 0;
   std::int64_t trials_left_ = 0;
-  mutable std::int64_t tests_left_ = 0;  // of pairs of triangles
 };
+
+bool Repair::find_pairs(Index h, const Hinge& hinge, std::size_t most,
+                        std::vector<Pair>& pairs) const {
+  const std::vector<Index> faces = faces_at(h, mesh_);
+  const auto skip = [&](Index g) { return g == faces[0] || g == faces[1]; };
+  pairs.clear();
+  if (meetings_.meet(hinge[0], hinge[1])) pairs.emplace_back(faces[0], faces[1]);
+  for (std::size_t side = 0; side < 2; ++side)
+    if (pairs.size() > most ||
+        !meetings_.find(hinge[side], faces[side], most - pairs.size(), skip, pairs))
+      return false;
+  return true;
+}
 
 HingeShape Repair::shape_of(Index h, const Hinge& hinge) const {
   const auto& p = mesh_.position;
+  const auto normal_of = [&](const Triangle& t) {
+    return unit_or_zero((p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]));
+  };
   HingeShape shape;
   Vec3 normal[2];
   for (int side = 0; side < 2; ++side) {
     const Triangle& t = hinge[side];
-    normal[side] = unit_normal(p[t[0]], p[t[1]], p[t[2]]);
+    normal[side] = normal_of(t);
     shape.least_height = std::min(shape.least_height, relative_height(p[t[0]], p[t[1]], p[t[2]]));
   }
   const auto bend = [&](Index a, Index b, double cosine) {
@@ -192,7 +186,7 @@ HingeShape Repair::shape_of(Index h, const Hinge& hinge) const {
                              (first[0] == b || first[1] == b || first[2] == b)
                          ? 0
                          : 1;
-    bend(a, b, normal[side].dot(unit_normal(p[b], p[a], p[mesh_.opposite(across)])));
+    bend(a, b, normal[side].dot(normal_of({b, a, mesh_.opposite(across)})));
   }
   return shape;
 }
@@ -210,32 +204,36 @@ bool Repair::is_allowed(Index h, const Hinge& then, HingeShape& shape_now,
   });
 }
 
-bool Repair::flip_if_better(Index h) {
+void Repair::flip_if_better(Index h) {
   --trials_left_;
-  const Index pairs_now = count_pairs(h, hinge_at(h));
-  if (pairs_now == 0 || !may_flip(h)) return false;
+  const std::size_t pairs_now = pairs_at(h).size();
+  if (pairs_now == 0 || !may_flip(h)) return;
   const Hinge then = flipped_hinge_at(h);
   HingeShape shape_now, shape_then;
-  if (!is_allowed(h, then, shape_now, shape_then)) return false;
-  const Index pairs_then = count_pairs(h, then);
+  if (!is_allowed(h, then, shape_now, shape_then)) return;
   const bool unfolds = shape_then.bending < (1.0 - kLeastUnfolding) * shape_now.bending;
-  if (pairs_then > pairs_now || (pairs_then == pairs_now && !unfolds)) return false;
-  flip(h);
+  std::vector<Pair> pairs;
+  if (!find_pairs(h, then, unfolds ? pairs_now : pairs_now - 1, pairs)) return;
+  flip(h, pairs);
   keep(h);
-  return true;
 }
 
 // Flips h and at most `count - 1` edges near it if that loses more pairs than it adds, counting
 // `pairs_lost` by flips before. Otherwise leaves the mesh as it was.
-bool Repair::flip_together(Index h, int count, Index pairs_lost) {
+bool Repair::flip_together(Index h, int count, std::ptrdiff_t pairs_lost) {
   --trials_left_;
   if (!has_time() || !may_flip(h)) return false;
   const Hinge then = flipped_hinge_at(h);
   HingeShape shape_now, shape_then;
   if (!is_allowed(h, then, shape_now, shape_then)) return false;
-  pairs_lost += count_pairs(h, hinge_at(h)) - count_pairs(h, then);
-  if (pairs_lost <= 0 && (count == 1 || pairs_lost < -kMaxDetour)) return false;
-  flip(h);
+  const std::vector<Pair> pairs_now = pairs_at(h);
+  const std::ptrdiff_t most =
+      pairs_lost + static_cast<std::ptrdiff_t>(pairs_now.size()) + (count > 1 ? kMaxDetour : -1);
+  std::vector<Pair> pairs_then;
+  if (most < 0 || !find_pairs(h, then, static_cast<std::size_t>(most), pairs_then)) return false;
+  pairs_lost += static_cast<std::ptrdiff_t>(pairs_now.size()) -
+                static_cast<std::ptrdiff_t>(pairs_then.size());
+  flip(h, pairs_then);
   bool gains = pairs_lost > 0;
   if (!gains) {
     const Index o = mesh_.twin(h);
@@ -252,127 +250,146 @@ bool Repair::flip_together(Index h, int count, Index pairs_lost) {
   if (gains)
     keep(h);
   else
-    flip_back(h);
+    flip_back(h, pairs_now);
   return gains;
+}
+
+void Repair::relocate(Index v) {
+  trials_left_ -= kTrialsOfRelocation;
+  const std::vector<Index> changed =
+      relocate_sample(mesh_, meetings_, v, fixed_faces_, least_height_);
+  if (changed.empty()) return;
+  ++relocated_;
+  touched_.insert(touched_.end(), changed.begin(), changed.end());
 }
 
 // Flips the edges of these faces at which the mesh folds beyond the guard if that makes the fold
 // less sharp and adds no pair.
 void Repair::unfold(const std::vector<Index>& faces) {
-  for (Index h : edges_near(faces, 0)) {
+  for (Index h : edges_of(faces)) {
     if (!may_flip(h)) continue;
-    const Hinge now = hinge_at(h), then = flipped_hinge_at(h);
+    const Hinge then = flipped_hinge_at(h);
     HingeShape shape_now, shape_then;
     if (!is_allowed(h, then, shape_now, shape_then)) continue;
-    if (shape_now.sharpest >= options_.fold_guard || shape_then.sharpest <= shape_now.sharpest ||
-        count_pairs(h, then) > count_pairs(h, now))
+    if (shape_now.sharpest >= options_.fold_guard || shape_then.sharpest <= shape_now.sharpest)
       continue;
-    flip(h);
+    std::vector<Pair> pairs;
+    if (!find_pairs(h, then, pairs_at(h).size(), pairs)) continue;
+    flip(h, pairs);
     keep(h);
   }
 }
 
-// All pairs with one of these faces, ascending.
-std::vector<Repair::Pair> Repair::pairs_of(std::vector<Index> faces) const {
-  std::sort(faces.begin(), faces.end());
-  faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
-  std::vector<Pair> pairs;
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    if (i % (1 << 12) == 0) progress_.update(0.0);
-    const Index f = faces[i];
-    for_each_met(mesh_.triangle(f), f, f, [&](Index g) { pairs.push_back(std::minmax(f, g)); });
-  }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  return pairs;
+// The corners of these faces, ascending.
+std::vector<Index> Repair::vertices_of(const std::vector<Index>& faces) const {
+  std::vector<Index> vertices;
+  for (Index f : faces)
+    for (Index v : mesh_.triangle(f)) vertices.push_back(v);
+  sort_and_make_unique(vertices);
+  return vertices;
 }
 
-// Edges of these faces and of the rings of faces around them, one half-edge each, ascending.
-std::vector<Index> Repair::edges_near(std::vector<Index> faces, int rings) const {
+// These faces and the rings of faces around them, ascending.
+std::vector<Index> Repair::faces_near(std::vector<Index> faces, int rings) const {
   for (int ring = 0; ring < rings; ++ring) {
-    std::vector<Index> vertices;
-    for (Index f : faces)
-      for (Index v : mesh_.triangle(f)) vertices.push_back(v);
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    const std::vector<Index> vertices = vertices_of(faces);
     faces.clear();
     for (Index v : vertices)
       mesh_.for_each_outgoing(v, [&](Index h) { faces.push_back(SurfaceMesh::face(h)); });
-    std::sort(faces.begin(), faces.end());
-    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    sort_and_make_unique(faces);
   }
+  return faces;
+}
+
+// One half-edge each, ascending.
+std::vector<Index> Repair::edges_of(const std::vector<Index>& faces) const {
   std::vector<Index> edges;
   for (Index f : faces)
     for (Index h = 3 * f; h < 3 * f + 3; ++h) edges.push_back(std::min(h, mesh_.twin(h)));
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  sort_and_make_unique(edges);
   return edges;
 }
 
-RepairReport Repair::run() {
-  progress_.set_range(0.0, 0.8);
-  std::vector<Pair> pairs;
-  {
-    const std::vector<Triangle> triangles = slot_triangles(mesh_);
-    tree_ = BoxTree(mesh_.position, triangles, progress_);
-    pairs = self_intersections(tree_, test_, triangles, progress_);
+// The faces around those that changed, and those that they meet, ascending.
+std::vector<Index> Repair::affected_faces() const {
+  std::vector<Index> faces = faces_near(touched_, 1);
+  const std::size_t near = faces.size();
+  for (std::size_t i = 0; i < near; ++i) {
+    const std::vector<Index>& met = meetings_.faces_met_by(faces[i]);
+    faces.insert(faces.end(), met.begin(), met.end());
   }
-  std::vector<Index> faces = intersecting_faces(pairs);
+  sort_and_make_unique(faces);
+  return faces;
+}
+
+// One pass of an attempt over the edges or corners of these faces.
+void Repair::try_near(const Attempt& attempt, const std::vector<Index>& faces, double done) {
+  fold_guard_ = attempt.folds_freely ? -1.0 : options_.fold_guard;
+  least_height_ = attempt.least_height;
+  const bool relocates = attempt.look_ahead == 0;
+  const std::vector<Index> items =
+      relocates ? vertices_of(faces) : edges_of(faces_near(faces, attempt.look_ahead > 1 ? 1 : 0));
+  for (std::size_t i = 0; i < items.size() && has_time(); ++i) {
+    if (i % kPollInterval == 0) progress_.update(done);
+    if (relocates)
+      relocate(items[i]);
+    else if (attempt.look_ahead == 1)
+      flip_if_better(items[i]);
+    else
+      flip_together(items[i], attempt.look_ahead, 0);
+  }
+}
+
+RepairReport Repair::run() {
+  std::vector<Index> faces = meetings_.faces();
   RepairReport report;
-  report.before = static_cast<Index>(pairs.size());
+  report.before = meetings_.pair_count();
   report.faces_before = static_cast<Index>(faces.size());
-  if (pairs.empty()) return report;
+  if (faces.empty()) return report;
   const std::int64_t max_trials =
       options_.max_trials > 0 ? options_.max_trials : kLeastTrials + mesh_.face_slots();
   trials_left_ = std::min(max_trials, options_.max_trials_per_face * report.faces_before);
-  const std::int64_t max_tests = kLeastTests + kTestsPerFace * mesh_.face_slots();
-  tests_left_ = max_tests;
 
   progress_.set_range(0.8, 1.0);
   std::vector<Index> changed;
-  std::size_t attempt = 0;
-  while (!pairs.empty() && report.rounds < options_.max_rounds && has_time()) {
-    const double done = static_cast<double>(report.rounds) / options_.max_rounds;
-    ++report.rounds;
-    fold_guard_ = kAttempts[attempt].folds_freely ? -1.0 : options_.fold_guard;
-    least_height_ = kAttempts[attempt].least_height;
-    const int look_ahead = kAttempts[attempt].look_ahead;
-    const std::vector<Index> edges = edges_near(faces, look_ahead > 1 ? 1 : 0);
+  // Faces near which each attempt has not failed since something changed there.
+  std::array<std::vector<Index>, kAttemptCount> pending;
+  pending.fill(faces);
+  while (report.rounds < options_.max_rounds && has_time()) {
+    std::vector<Index> active;
+    std::size_t attempt = 0;
+    for (; attempt < kAttemptCount && active.empty(); ++attempt) {
+      if (kAttempts[attempt].look_ahead > options_.max_look_ahead) continue;
+      std::set_intersection(pending[attempt].begin(), pending[attempt].end(), faces.begin(),
+                            faces.end(), std::back_inserter(active));
+      pending[attempt].clear();
+    }
+    if (active.empty()) break;
     touched_.clear();
-    for (std::size_t i = 0; i < edges.size() && has_time(); ++i) {
-      if (i % kPollInterval == 0) progress_.update(done);
-      if (look_ahead == 1)
-        flip_if_better(edges[i]);
-      else
-        flip_together(edges[i], look_ahead, 0);
-    }
-    if (touched_.empty()) {
-      do {
-        ++attempt;
-      } while (attempt < std::size(kAttempts) &&
-               kAttempts[attempt].look_ahead > options_.max_look_ahead);
-      if (attempt == std::size(kAttempts)) break;
-      continue;
-    }
-    attempt = 0;
+    try_near(kAttempts[attempt - 1], active,
+             static_cast<double>(report.rounds) / options_.max_rounds);
+    ++report.rounds;
+    if (touched_.empty()) continue;
     changed.insert(changed.end(), touched_.begin(), touched_.end());
-    faces.insert(faces.end(), touched_.begin(), touched_.end());
-    pairs = pairs_of(faces);
-    faces = intersecting_faces(pairs);
+    faces = meetings_.faces();
+    const std::vector<Index> affected = affected_faces();
+    for (std::vector<Index>& waiting : pending) {
+      std::vector<Index> both;
+      std::set_union(waiting.begin(), waiting.end(), affected.begin(), affected.end(),
+                     std::back_inserter(both));
+      waiting = std::move(both);
+    }
   }
-  touched_.clear();
   least_height_ = kLeastHeight;
   unfold(changed);
-  faces.insert(faces.end(), touched_.begin(), touched_.end());
-  pairs = pairs_of(faces);
-  faces = intersecting_faces(pairs);
   turn_outward(mesh_);
   progress_.set_range(0.0, 1.0);
-  report.after = static_cast<Index>(pairs.size());
-  report.faces_after = static_cast<Index>(faces.size());
-  report.remaining_faces = std::move(faces);
+  report.remaining_faces = meetings_.faces();
+  report.after = meetings_.pair_count();
+  report.faces_after = static_cast<Index>(report.remaining_faces.size());
   report.flips = flips_;
-  report.tests = max_tests - tests_left_;
+  report.relocated = relocated_;
+  report.tests = meetings_.tests();
   return report;
 }
 
@@ -380,6 +397,7 @@ RepairReport Repair::run() {
 
 RepairReport repair_self_intersections(SurfaceMesh& mesh, const RepairOptions& options,
                                        Progress& progress, const std::vector<Index>& fixed_faces) {
+  progress.set_range(0.0, 0.8);
   return Repair(mesh, options, progress, fixed_faces).run();
 }
 

@@ -1,5 +1,5 @@
-// Self-intersections flipped away: the vertices are samples, so only the edges between them can
-// change.
+// Self-intersections taken apart: the vertices are samples, so only the edges between them can
+// change, and which faces have a sample between them.
 #pragma once
 
 #include <vector>
@@ -13,9 +13,10 @@ struct RepairOptions {
   bool enabled = true;     ///< for the pipeline: repair at all
   int max_rounds = 64;     ///< passes over the edges near the faces that still meet others
   int max_look_ahead = 4;  ///< flips that are tried together where fewer do not help
-  /// Hinges looked at bound the time, some 3 us each (coplanar samples: 30): for each face that
-  /// meets another at the start, and in all; 0: 50,000 and one for each face of the mesh. So do
-  /// the pairs of faces whose boxes meet: a million, and 20 for each face of the mesh.
+  /// Hinges looked at bound the time, some 3 us each (coplanar samples: 30; a sample relocated
+  /// counts as 50): for each face that meets another at the start, and in all; 0: 50,000 and one
+  /// for each face of the mesh. So do the pairs of faces whose boxes meet: a million, and 20 for
+  /// each face of the mesh, never one more.
   std::int64_t max_trials_per_face = 1000;
   std::int64_t max_trials = 0;
   /// Cosine of the sharpest angle between the normals of neighbours that a flip may make anew, as
@@ -30,16 +31,18 @@ struct RepairReport {
   Index faces_after = 0;
   std::vector<Index> remaining_faces;  ///< those, ascending
   Index flips = 0;
+  Index relocated = 0;  ///< samples
   int rounds = 0;
   std::int64_t tests = 0;  ///< of pairs of faces, after the first search
 };
 
 /// Flips edges near faces that meet others while that lowers the number of pairs, or, at the same
-/// number, unfolds the hinge; where no flip does, looks for two and more neighbouring ones that do
-/// together. Sharper folds than the guard allows are made only where all this fails, and unfolded
-/// at the end if that costs no pair; needles only where folds do not help. Vertices neither move
-/// nor vanish, no face becomes degenerate, and the mesh stays a closed 2-manifold of the same
-/// genus. `after` is never above `before`.
+/// number, unfolds the hinge. Where no flip does, relocates samples (sample_relocation.h), and then
+/// looks for two and more neighbouring flips that do together. What failed is tried again only
+/// where something has changed nearby. Sharper folds than the guard allows are made only where all
+/// this fails, and unfolded at the end if that costs no pair; needles only where folds do not help.
+/// Vertices neither move nor vanish, no face becomes degenerate, and the mesh stays a closed
+/// 2-manifold of the same genus. `after` is never above `before`.
 ///
 /// Finding the pairs costs as much as `self_intersections`; the rest is proportional to the number
 /// of faces in them. Deterministic.

@@ -267,6 +267,26 @@ void SurfaceMesh::split_face_into(Index f, Index v, Index g, Index k) {
   outgoing_[c] = 3 * k;
 }
 
+bool SurfaceMesh::is_move_legal(Index v) const {
+  const Index h = outgoing_[v], g = rotate(h), k = rotate(g);
+  return rotate(k) == h && opposite(twin_[next(h)]) != target(k);
+}
+
+Index SurfaceMesh::move_vertex(Index v, Index f) {
+  // (v, a, b) becomes (c, a, b) in place of (v, b, c) and (v, c, a).
+  const Index h = outgoing_[v], g = rotate(h), k = rotate(g);
+  const Index b = target(g), c = target(k);
+  const Index beyond_bc = twin_[next(g)], beyond_ca = twin_[next(k)];
+  origin_[h] = c;
+  link(h, beyond_ca);
+  link(prev(h), beyond_bc);
+  outgoing_[c] = h;
+  outgoing_[target(h)] = next(h);
+  outgoing_[b] = prev(h);
+  split_face_into(f, v, face(g), face(k));
+  return face(h);
+}
+
 std::vector<Index> SurfaceMesh::compact() {
   Progress silent;
   return compact(silent);

@@ -134,6 +134,14 @@ class SurfaceMesh {
   /// many splits can be laid out beforehand).
   void split_face_into(Index f, Index v, Index g, Index k);
 
+  /// True if the three faces around a vertex may become one: it has valence 3, and the mesh is no
+  /// tetrahedron there.
+  bool is_move_legal(Index v) const;
+  /// Takes a vertex out of its three faces, which become one, and splits face f with it. Returns
+  /// the slot of the one face; the first half-edge of f keeps its edge. Pre: is_move_legal(v), f is
+  /// none of the three.
+  Index move_vertex(Index v, Index f);
+
   /// Drops removed slots, renumbers vertices along a Morton curve and faces by their lowest vertex,
   /// and makes `outgoing` the lowest half-edge of each vertex: the canonical form, in which
   /// from_triangles of the triangles gives the same mesh. Returns, for each old vertex, its new

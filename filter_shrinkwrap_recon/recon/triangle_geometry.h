@@ -1,6 +1,7 @@
 // Small geometry of triangles and hinges, for the inner loops of re-tiling and edge optimisation.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -15,6 +16,13 @@ constexpr double kHalfPi = 1.57079632679489661923;
 inline Vec3 unit_or_zero(const Vec3& vector) {
   const double length = vector.norm();
   return length > 0.0 ? Vec3(vector / length) : Vec3(0.0, 0.0, 0.0);
+}
+
+/// Height of a triangle over its longest edge, as a part of that; 0 for a degenerate one.
+inline double relative_height(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const double longest =
+      std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+  return longest > 0.0 ? (b - a).cross(c - a).norm() / longest : 0.0;
 }
 
 /// Arc cosine of x, clamped to [0, 1], by a polynomial: error below 2e-8 (Abramowitz and Stegun

@@ -1,0 +1,94 @@
+// Pairs of faces kept up to date, against pairs found anew.
+#include "face_meetings.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "self_intersection.h"
+#include "shapes.h"
+
+namespace shrinkwrap {
+namespace {
+
+using testing::icosphere;
+using testing::Random;
+
+using Pairs = std::vector<FaceMeetings::Pair>;
+
+constexpr std::int64_t kManyTests = 100000000;
+
+Pairs found_anew(const SurfaceMesh& mesh) {
+  Progress progress;
+  return self_intersections(mesh.position, mesh.triangles(), progress);
+}
+
+SurfaceMesh shaken_sphere(Random& random) {
+  SurfaceMesh mesh = icosphere(3);
+  const double edge = (mesh.position[mesh.target(0)] - mesh.position[mesh.origin(0)]).norm();
+  for (Vec3& p : mesh.position) p += 0.7 * edge * random.in_cube();
+  return mesh;
+}
+
+TEST(FaceMeetings, AreThoseOfTheMeshAfterEveryChange) {
+  Random random(1);
+  SurfaceMesh mesh = shaken_sphere(random);
+  Progress progress;
+  FaceMeetings meetings(mesh, kManyTests, progress);
+  for (int change = 0; change < 100; ++change) {
+    const Pairs expected = found_anew(mesh);
+    ASSERT_GT(expected.size(), 10u);
+    ASSERT_EQ(meetings.pair_count(), static_cast<Index>(expected.size()));
+    ASSERT_EQ(meetings.faces(), intersecting_faces(expected));
+    ASSERT_EQ(meetings.pairs_of(meetings.faces()), expected);
+
+    const Index h = random.below(mesh.halfedge_slots());
+    if (!mesh.is_flip_legal(h)) continue;
+    mesh.flip(h);
+    const Index f = SurfaceMesh::face(h), g = SurfaceMesh::face(mesh.twin(h));
+    Pairs pairs;
+    if (meetings.meet(mesh.triangle(f), mesh.triangle(g))) pairs.emplace_back(f, g);
+    const auto skip = [&](Index other) { return other == f || other == g; };
+    ASSERT_TRUE(meetings.find(mesh.triangle(f), f, 1000, skip, pairs));
+    ASSERT_TRUE(meetings.find(mesh.triangle(g), g, 1000, skip, pairs));
+    meetings.update_boxes({f, g});
+    meetings.replace({f, g}, pairs);
+  }
+}
+
+TEST(FaceMeetings, MoreThanAskedForAreNotFound) {
+  Random random(2);
+  const SurfaceMesh mesh = shaken_sphere(random);
+  Progress progress;
+  const FaceMeetings meetings(mesh, kManyTests, progress);
+  const Index f = meetings.faces().front();
+  const std::size_t count = meetings.faces_met_by(f).size();
+  const auto skip = [&](Index g) { return g == f; };
+  Pairs pairs;
+  EXPECT_TRUE(meetings.find(mesh.triangle(f), f, count, skip, pairs));
+  EXPECT_EQ(pairs.size(), count);
+  pairs.clear();
+  EXPECT_FALSE(meetings.find(mesh.triangle(f), f, count - 1, skip, pairs));
+}
+
+TEST(FaceMeetings, TestsEndAtTheirBound) {
+  Random random(3);
+  const SurfaceMesh mesh = shaken_sphere(random);
+  Progress progress;
+  const FaceMeetings meetings(mesh, 100, progress);
+  EXPECT_EQ(meetings.tests(), 0);
+  const auto skip = [](Index) { return false; };
+  bool was_refused = false;
+  for (Index f = 0; f < mesh.face_slots(); ++f) {
+    Pairs pairs;
+    const bool is_known = meetings.find(mesh.triangle(f), f, 1000, skip, pairs);
+    EXPECT_FALSE(is_known && was_refused) << "no test is left";
+    was_refused = !is_known;
+  }
+  EXPECT_TRUE(was_refused);
+  EXPECT_EQ(meetings.tests(), 100);
+  EXPECT_FALSE(meetings.has_tests_left());
+}
+
+}  // namespace
+}  // namespace shrinkwrap
