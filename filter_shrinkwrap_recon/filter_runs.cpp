@@ -72,7 +72,8 @@ std::string repair_line(const RepairReport& report) {
 std::string relaxation_line(const RelaxationReport& report) {
   return "Self-intersections smoothed away: " + count_of(report.faces_before, "face") +
          " met others, " + std::to_string(report.faces_after) + " still do, after " +
-         count_of(report.moved, "vertex", "vertices") + " moved";
+         count_of(report.moved, "vertex", "vertices") + " moved" +
+         (report.flips > 0 ? " and " + count_of(report.flips, "edge flip") : "");
 }
 
 Figures figures_of(const MeshReport& report) {

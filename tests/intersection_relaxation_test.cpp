@@ -61,12 +61,30 @@ TEST(IntersectionRelaxation, PutsBackWhatDidNotHelp) {
   RelaxationOptions options;
   options.weight = -0.5;  // makes it worse
   options.max_rounds = 3;
+  options.repair.enabled = false;
   Progress silent;
   const RelaxationReport report = relax_self_intersections(mesh, options, silent);
   EXPECT_EQ(report.moved, 0);
   EXPECT_EQ(report.faces_after, report.faces_before);
   EXPECT_EQ(report.remaining_faces, faces_that_meet(mesh));
   expect_same_mesh(mesh, before);
+}
+
+TEST(IntersectionRelaxation, RepairsWhatSmoothingLeaves) {
+  const SurfaceMesh before = shaken_torus(0.1);
+  SurfaceMesh mesh = before;
+  RelaxationOptions options;
+  options.weight = 0.0;
+  options.max_rounds = 1;
+  Progress silent;
+  const RelaxationReport report = relax_self_intersections(mesh, options, silent);
+  EXPECT_GT(report.faces_before, 20);
+  EXPECT_LT(report.faces_after, report.faces_before / 10);
+  EXPECT_EQ(report.moved, 0);
+  EXPECT_GT(report.flips, 0);
+  EXPECT_EQ(report.remaining_faces, faces_that_meet(mesh));
+  EXPECT_EQ(mesh.position, before.position);
+  expect_closed_manifold(mesh, 1, 1);
 }
 
 // Two small bodies through each other all over, beside a torus that can be mended: smoothed as a
@@ -87,8 +105,10 @@ TEST(IntersectionRelaxation, LeavesWholeBodiesAlone) {
   }
   SurfaceMesh mesh = SurfaceMesh::from_triangles(std::move(position), triangles);
   const SurfaceMesh before = mesh;
+  RelaxationOptions options;
+  options.repair.enabled = false;
   Progress silent;
-  const RelaxationReport report = relax_self_intersections(mesh, {}, silent);
+  const RelaxationReport report = relax_self_intersections(mesh, options, silent);
   EXPECT_LT(report.faces_after, report.faces_before);
   EXPECT_EQ(report.remaining_faces, faces_that_meet(mesh));
   EXPECT_GT(report.faces_after, 0);

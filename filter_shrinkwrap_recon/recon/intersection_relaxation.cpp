@@ -167,6 +167,11 @@ RelaxationReport relax_self_intersections(SurfaceMesh& mesh, const RelaxationOpt
       relaxation.put_back();
       meeting = at_first;
     }
+    if (!meeting.empty() && options.repair.enabled) {
+      RepairReport repair = repair_self_intersections(mesh, options.repair, progress);
+      report.flips = repair.flips + repair.relocated;
+      meeting = std::move(repair.remaining_faces);
+    }
   }
   report.faces_after = static_cast<Index>(meeting.size());
   report.remaining_faces = std::move(meeting);

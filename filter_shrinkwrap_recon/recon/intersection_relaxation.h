@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "intersection_repair.h"
 #include "progress.h"
 #include "surface_mesh.h"
 
@@ -15,6 +16,7 @@ struct RelaxationOptions {
   int rounds_a_ring = 5;  ///< after so many rounds one more ring of faces around is smoothed too
   /// If more than this part of the faces meet others, the surface is left as it is: a heap.
   double most = 0.2;
+  RepairOptions repair;  ///< of what smoothing leaves
 };
 
 struct RelaxationReport {
@@ -22,15 +24,16 @@ struct RelaxationReport {
   Index faces_after = 0;
   std::vector<Index> remaining_faces;  ///< those, ascending
   Index moved = 0;                     ///< vertices
+  Index flips = 0;  ///< of edges and relocated vertices, where moving did not help
   int rounds = 0;
 };
 
 /// Smooths the neighbourhoods of faces that meet others, wider and wider, until none does: the
 /// folds of a parametric surface unfold, and sheets that overlap a little draw back. Faces
-/// elsewhere stay as they are, and so does the whole mesh if in the end no fewer faces meet others
-/// than before. Finding the faces costs as much as `self_intersecting_faces`; the rest is
-/// proportional to their number, but for a flag for each face in each round. Deterministic. Pre: no
-/// removed slots.
+/// elsewhere stay as they are, and no vertex moves if in the end no fewer faces meet others than
+/// before. What is left is repaired by `repair_self_intersections`. Finding the faces costs as much
+/// as `self_intersecting_faces`; the rest is proportional to their number, but for a flag for each
+/// face in each round. Deterministic. Pre: no removed slots.
 RelaxationReport relax_self_intersections(SurfaceMesh& mesh, const RelaxationOptions& options,
                                           Progress& progress);
 
