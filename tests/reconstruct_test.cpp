@@ -115,6 +115,19 @@ TEST(Reconstruct, StopsAtTheParametricSurface) {
                          1);
 }
 
+TEST(Reconstruct, LargerVoxelsRefuteTheHandlesOfNoise) {
+  for (const unsigned seed : {1u, 2u}) {
+    SampleDefects defects;
+    defects.noise = 0.8;
+    const std::vector<Vec3> points = sample_shape(ShapeKind::double_torus, 8000, seed, defects);
+    ReconstructionOptions options;
+    Progress silent;
+    EXPECT_EQ(reconstruct(points, options, silent).report.genus, 2);
+    options.noise.second_voxel_ratio = InitialMeshOptions().second_voxel_ratio;
+    EXPECT_GT(reconstruct(points, options, silent).report.genus, 2);
+  }
+}
+
 TEST(Reconstruct, SameBytesForAnyNumberOfThreads) {
   const std::vector<Vec3> points = sample_shape(ShapeKind::double_torus, 12000, 4);
   for (const bool as_paper : {false, true}) {

@@ -167,9 +167,9 @@ InitialMesh most_plausible_boundary(const PointCloud& cloud, const InitialMeshOp
   const WindingNumber winding(cloud, progress);
   InitialMesh first = solid_boundary(cloud, winding, options, progress);
   if (first.report.genus == 0 || options.second_voxel_ratio <= 0.0) return first;
-  InitialMeshOptions finer = options;
-  finer.voxel_size *= options.second_voxel_ratio;
-  InitialMesh second = solid_boundary(cloud, winding, finer, progress);
+  InitialMeshOptions other = options;
+  other.voxel_size *= options.second_voxel_ratio;
+  InitialMesh second = solid_boundary(cloud, winding, other, progress);
   if (second.report.genus >= first.report.genus ||
       second.report.components < first.report.components ||
       second.report.cavities < first.report.cavities)

@@ -10,6 +10,10 @@ struct NoiseOptions {
   /// Above this the surface through the samples is rough (x local spacing): measured 0.24 and more
   /// on clouds with noise of 0.25 and more, 0.16 and less on clean ones.
   double high = 0.2;
+  /// Of clouds above that, in place of the ratio of initial_mesh.h: voxels somewhat larger refute
+  /// handles between noisy layers, which smaller ones show too. Half as large again refutes handles
+  /// of three spacings.
+  double second_voxel_ratio = 1.25;
   /// If the parametric surface of a noisy cloud is the result, normals and voxels are made wider,
   /// by one unit for every `smooth_unit` of the upper fifth beyond `smooth_from`, at most
   /// `most_units`.

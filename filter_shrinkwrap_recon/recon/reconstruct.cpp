@@ -240,6 +240,8 @@ CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
   report.orientation = orient_normals(cloud, options.orientation, progress);
   const NoiseEstimate noise = estimate_noise(cloud, options.noise, progress);
   report.noise = noise.median;
+  if (noise.median > options.noise.high && options.initial_mesh.second_voxel_ratio > 0.0)
+    options.initial_mesh.second_voxel_ratio = options.noise.second_voxel_ratio;
   if (!options.stop_at_parametric_surface) return report;
   options.parametric_surface.fine_enough = 0.0;
   const bool is_robust = options.initial_mesh.start == InitialMeshOptions::Start::winding_number;

@@ -92,12 +92,13 @@ struct CloudReport {
   double noise = 0.0;  ///< of the samples, x spacing
 };
 
-/// Orients the normals and estimates the noise. If the run stops at the parametric surface, and
-/// there is more noise than `options.denoising.from`, then the samples are moved onto the surface
-/// that they scatter about, with normals of neighbourhoods that are the wider the noisier the
-/// samples are, and `options` of the later stages are changed to suit (larger voxels; see
-/// NoiseOptions). A chain of stages gives the same as `reconstruct` if each begins with this. Pre:
-/// the cloud was prepared with `options.samples`.
+/// Orients the normals and estimates the noise. Above `options.noise.high` handles are to be
+/// refuted by larger voxels. If the run stops at the parametric surface, and there is more noise
+/// than `options.denoising.from`, then the samples are moved onto the surface that they scatter
+/// about, with normals of neighbourhoods that are the wider the noisier the samples are, and
+/// `options` of the later stages are changed to suit (larger voxels; see NoiseOptions). A chain of
+/// stages gives the same as `reconstruct` if each begins with this. Pre: the cloud was prepared
+/// with `options.samples`.
 CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
                               Progress& progress);
 
