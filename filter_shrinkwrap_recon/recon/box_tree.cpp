@@ -7,6 +7,7 @@
 #include "morton.h"
 #include "parallel.h"
 #include "radix_sort.h"
+#include "triangle_geometry.h"
 
 namespace shrinkwrap {
 namespace {
@@ -15,6 +16,9 @@ constexpr Index kGrain = 1 << 13;
 constexpr float kFar = std::numeric_limits<float>::max();
 constexpr int kCellBits = 10;  // per axis of the curve that orders the faces
 constexpr int kDigits = 1 << kCellBits;
+
+// Coordinates are at most 1, sums of three products in single precision are off by less than 1e-6.
+constexpr double kSlabMargin = 2e-6;
 
 // What is sorted: the place on the curve in the high half, the face in the low half.
 using KeyedFace = std::uint64_t;
@@ -52,6 +56,23 @@ BoxTree::Box BoxTree::box_of(const std::vector<Vec3>& positions, const Triangle&
   const Vec3 high = (a.cwiseMax(b).cwiseMax(c) - center_) * scale_;
   return {static_cast<float>(low.x()),  static_cast<float>(low.y()),  static_cast<float>(low.z()),
           static_cast<float>(high.x()), static_cast<float>(high.y()), static_cast<float>(high.z())};
+}
+
+BoxTree::Slabs BoxTree::slabs_of(const std::vector<Vec3>& positions, const Triangle& t) const {
+  std::array<Vec3, 3> corner;
+  for (std::size_t i = 0; i < 3; ++i) corner[i] = (positions[t[i]] - center_) * scale_;
+  const Vec3 normal =
+      unit_or_zero(Vec3((corner[1] - corner[0]).cross(corner[2] - corner[0])));
+  Slabs slabs;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vec3 axis = i == 3 ? normal : unit_or_zero(Vec3((corner[(i + 1) % 3] - corner[i]).cross(normal)));
+    Slab& slab = slabs[i];
+    const double along[3] = {axis.dot(corner[0]), axis.dot(corner[1]), axis.dot(corner[2])};
+    slab.low = static_cast<float>(std::min({along[0], along[1], along[2]}) - kSlabMargin);
+    slab.high = static_cast<float>(std::max({along[0], along[1], along[2]}) + kSlabMargin);
+    for (std::size_t k = 0; k < 3; ++k) slab.axis[k] = static_cast<float>(axis[static_cast<Eigen::Index>(k)]);
+  }
+  return slabs;
 }
 
 BoxTree::BoxTree(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles,

@@ -33,6 +33,13 @@ class BoxTree {
   template <class Fn>
   void for_each_overlap(const Box& box, const Fn& fn) const;
 
+  /// Calls `fn(face)` for the faces that may meet a triangle, in Morton order, until it returns
+  /// true; returns whether it did. Passed over are faces whose box does not overlap the
+  /// triangle's, lies all on one side of its plane, or in it beyond one of its edges: the box of a
+  /// long slanting triangle holds much that the triangle is far from.
+  template <class Fn>
+  bool any_near(const std::vector<Vec3>& positions, const Triangle& t, const Fn& fn) const;
+
   /// Pairs of faces whose boxes overlap are shared out among clusters of faces, some 64 each: calls
   /// `fn(f, g)`, each unordered pair once, over all clusters in [0, cluster_count()).
   Index cluster_count() const { return level_begin_.empty() ? 0 : level_size(cluster_level()); }
@@ -73,6 +80,16 @@ class BoxTree {
     return unsigned{gap[0] <= 0.0f} | unsigned{gap[1] <= 0.0f} << 1 |
            unsigned{gap[2] <= 0.0f} << 2 | unsigned{gap[3] <= 0.0f} << 3;
   }
+
+  // What holds a triangle: the slabs between its corners across its edges and across its plane.
+  struct Slab {
+    std::array<float, 3> axis;
+    float low, high;  // of the triangle along the axis, with a margin for rounding
+  };
+  using Slabs = std::array<Slab, 4>;
+  static constexpr int kManyGroups = 48;  // that a box overlaps, before slabs are worth their time
+  Slabs slabs_of(const std::vector<Vec3>& positions, const Triangle& t) const;
+  static unsigned in_slabs(const Group& group, const Slabs& slabs, unsigned candidates);
 
   static constexpr int kClusterLevel = 2;
   int top_level() const { return static_cast<int>(level_begin_.size()) - 1; }
@@ -135,6 +152,51 @@ void BoxTree::for_each_overlap(const Box& box, const Fn& fn) const {
     for (unsigned left = hits; left != 0; left &= left - 1)
       fn(order_[4 * static_cast<std::size_t>(i) + kLowestLane[left]]);
   });
+}
+
+inline unsigned BoxTree::in_slabs(const Group& group, const Slabs& slabs, unsigned candidates) {
+  Eigen::Array4f gap = Eigen::Array4f::Zero();
+  for (const Slab& slab : slabs) {
+    Eigen::Array4f low = Eigen::Array4f::Zero(), high = low;  // of the boxes along the axis
+    for (std::size_t i = 0; i < 3; ++i) {
+      const bool rises = slab.axis[i] >= 0.0f;
+      low += slab.axis[i] * (rises ? group.low[i] : group.high[i]);
+      high += slab.axis[i] * (rises ? group.high[i] : group.low[i]);
+    }
+    gap = gap.max(low - slab.high).max(slab.low - high);
+  }
+  return candidates & (unsigned{gap[0] <= 0.0f} | unsigned{gap[1] <= 0.0f} << 1 |
+                       unsigned{gap[2] <= 0.0f} << 2 | unsigned{gap[3] <= 0.0f} << 3);
+}
+
+template <class Fn>
+bool BoxTree::any_near(const std::vector<Vec3>& positions, const Triangle& t, const Fn& fn) const {
+  if (order_.empty()) return false;
+  const Box box = box_of(positions, t);
+  Slabs slabs;
+  struct Entry {
+    int level;
+    Index group;
+  };
+  std::array<Entry, kStackSize> stack;
+  int top = 0, seen = 0;
+  stack[top++] = {top_level(), 0};
+  while (top > 0) {
+    const Entry entry = stack[--top];
+    const Group& boxes = group(entry.level, entry.group);
+    unsigned hits = overlaps(boxes, box);
+    if (hits == 0) continue;
+    if (++seen == kManyGroups) slabs = slabs_of(positions, t);
+    if (seen >= kManyGroups) hits = in_slabs(boxes, slabs, hits);
+    if (entry.level > 0) {
+      for (Index lane = 4; lane-- > 0;)
+        if ((hits >> lane & 1) != 0) stack[top++] = {entry.level - 1, 4 * entry.group + lane};
+      continue;
+    }
+    for (unsigned left = hits; left != 0; left &= left - 1)
+      if (fn(order_[4 * static_cast<std::size_t>(entry.group) + kLowestLane[left]])) return true;
+  }
+  return false;
 }
 
 template <class Fn>

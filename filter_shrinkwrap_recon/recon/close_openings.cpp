@@ -1,6 +1,7 @@
 #include "close_openings.h"
 
 #include <algorithm>
+#include <tuple>
 
 #include "box_tree.h"
 #include "collapse_rating.h"
@@ -25,7 +26,10 @@ class OpeningCloser {
       const Triangle t = mesh.triangle(f);
       if (std::max({t[0], t[1], t[2]}) >= first_extra) spans_[f] = 1;
     }
-    for (Index v = first_extra; v < mesh.vertex_slots(); ++v) pending_.push_back(v);
+    // Every other one first, then every other one of the rest, and so on: the faces grow evenly.
+    const Index count = mesh.vertex_slots() - first_extra;
+    for (Index step = 1; step <= count; step *= 2)
+      for (Index i = step - 1; i < count; i += 2 * step) pending_.push_back(first_extra + i);
   }
 
   std::vector<char> close(Progress& progress) {
@@ -45,7 +49,10 @@ class OpeningCloser {
         continue;
       }
       if (++stalls > kStalls) break;
-      for (const Index v : pending_) flip_an_edge_away(v);
+      for (const Index v : pending_) {
+        clip_ears(v);
+        progress.update(1.0 - static_cast<double>(pending_.size()) / static_cast<double>(given));
+      }
     }
     return std::move(spans_);
   }
@@ -90,36 +97,21 @@ class OpeningCloser {
 
   // Whether the fresh faces meet each other, or any but those that they replace.
   bool fresh_cuts() {
-    box_.clear();
     for (std::size_t i = 0; i < fresh_.size(); ++i) {
       if (is_degenerate(fresh_[i])) return true;
       for (std::size_t j = 0; j < i; ++j)
         if (pairs_.meet(fresh_[i], fresh_[j])) return true;
-      box_.push_back(boxes_.box_of(mesh_.position, fresh_[i]));
     }
-    BoxTree::Box all = box_[0];
-    for (const BoxTree::Box& box : box_)
-      for (int axis = 0; axis < 3; ++axis) {
-        all[axis] = std::min(all[axis], box[axis]);
-        all[axis + 3] = std::max(all[axis + 3], box[axis + 3]);
-      }
-    bool meets = false;
-    boxes_.for_each_overlap(all, [&](Index f) {
-      if (meets || mesh_.is_removed_face(f) ||
-          std::find(replaced_.begin(), replaced_.end(), f) != replaced_.end())
-        return;
-      const Triangle t = mesh_.triangle(f);
-      const BoxTree::Box box = boxes_.box_of(mesh_.position, t);
-      for (std::size_t i = 0; i < fresh_.size() && !meets; ++i)
-        meets = overlap(box, box_[i]) && pairs_.meet(fresh_[i], t);
-    });
-    return meets;
-  }
-
-  static bool overlap(const BoxTree::Box& a, const BoxTree::Box& b) {
-    for (int axis = 0; axis < 3; ++axis)
-      if (a[axis] > b[axis + 3] || b[axis] > a[axis + 3]) return false;
-    return true;
+    const auto is_replaced = [&](Index f) {
+      return mesh_.is_removed_face(f) ||
+             std::find(replaced_.begin(), replaced_.end(), f) != replaced_.end();
+    };
+    for (const Triangle& t : fresh_)
+      if (boxes_.any_near(mesh_.position, t, [&](Index f) {
+            return !is_replaced(f) && pairs_.meet(t, mesh_.triangle(f));
+          }))
+        return true;
+    return false;
   }
 
   bool is_degenerate(const Triangle& t) const {
@@ -157,10 +149,23 @@ class OpeningCloser {
     return true;
   }
 
-  void flip_an_edge_away(Index v) {
-    rating_.gather(mesh_, v);
-    for (const Index h : rating_.halfedges())
-      if (try_flip(h)) return;
+  // Takes edges from a vertex that no collapse removes: its ring may be no fan from any corner.
+  // Each flip cuts an ear off the ring; those of the shortest diagonals come first.
+  void clip_ears(Index v) {
+    for (bool has_clipped = true; has_clipped;) {
+      has_clipped = false;
+      rating_.gather(mesh_, v);
+      ears_.clear();
+      for (const Index h : rating_.halfedges()) {
+        const Vec3 diagonal =
+            mesh_.position[mesh_.opposite(h)] - mesh_.position[mesh_.opposite(mesh_.twin(h))];
+        ears_.push_back({diagonal.squaredNorm(), h, mesh_.target(h)});
+      }
+      std::sort(ears_.begin(), ears_.end());
+      for (const auto& [length, h, corner] : ears_)
+        if (mesh_.origin(h) == v && mesh_.target(h) == corner && mesh_.valence(v) > 3)
+          has_clipped = try_flip(h) || has_clipped;
+    }
   }
 
   SurfaceMesh& mesh_;
@@ -169,10 +174,10 @@ class OpeningCloser {
   std::vector<char> spans_;     // per face slot
   std::vector<Index> pending_;  // extra vertices
   CollapseRating rating_;
-  std::vector<BoxTree::Box> box_;  // of the fresh faces
   std::vector<Triangle> fresh_;    // faces that an operation would make ...
   std::vector<Index> replaced_;    // ... in place of these
   std::vector<Index> stack_;
+  std::vector<std::tuple<double, Index, Index>> ears_;  // length of the diagonal, half-edge, corner
 };
 
 }  // namespace
