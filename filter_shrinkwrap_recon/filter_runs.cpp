@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <numeric>
 
+#include "finish_matching.h"
 #include "parallel.h"
 #include "stage_qualities.h"
 #include "voxel_search.h"
@@ -412,21 +413,27 @@ FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterIn
   matching.spanning_faces = input.marked_faces;
   if (options.openings == CompleteMatchingOptions::Openings::leave_open)
     matching.opening_faces = input.marked_faces;
-  const OpeningsReport openings =
+  OpeningsReport openings =
       decide_openings(matching, cloud.size(), cloud.spacing, options, progress);
-  if (openings.spanned + openings.left_open > 0) outcome.log.push_back(openings_line(openings));
   const std::vector<Index>& dropped = matching.opening_faces;
   const EdgeOptimisationReport report = optimise_edges(
       matching.mesh, request.options.edge_optimisation, progress, matching.spanning_faces);
   outcome.log.push_back(count_of(report.flips, "edge") + " re-chosen");
   if (request.options.intersection_repair.enabled) {
-    const RepairReport repair = repair_self_intersections(
-        matching.mesh, request.options.intersection_repair, progress, dropped);
+    const FinishReport finish =
+        finish_matching(matching, cloud.size(), cloud.spacing, request.options.intersection_repair,
+                        openings, progress);
+    const RepairReport& repair = finish.repair;
+    if (finish.removed_extra > 0)
+      outcome.log.push_back(
+          count_of(finish.removed_extra, "vertex", "vertices") +
+          " without a sample could be removed after all, and openings are spanned there.");
     if (repair.faces_before > 0) outcome.log.push_back(repair_line(repair));
     warn_of_intersections(repair.faces_after, outcome.warnings);
     outcome.marked_faces = indices_after_drop(repair.remaining_faces, dropped);
     outcome.figures["self_intersecting_faces"] = static_cast<Index>(outcome.marked_faces.size());
   }
+  if (openings.spanned + openings.left_open > 0) outcome.log.push_back(openings_line(openings));
   outcome.log.push_back(surface_verdict("edge optimisation", matching.mesh));
   outcome.mesh = to_result(matching, cloud, input.points);
   drop_faces(outcome.mesh, dropped);

@@ -61,16 +61,17 @@ BoxTree::Box BoxTree::box_of(const std::vector<Vec3>& positions, const Triangle&
 BoxTree::Slabs BoxTree::slabs_of(const std::vector<Vec3>& positions, const Triangle& t) const {
   std::array<Vec3, 3> corner;
   for (std::size_t i = 0; i < 3; ++i) corner[i] = (positions[t[i]] - center_) * scale_;
-  const Vec3 normal =
-      unit_or_zero(Vec3((corner[1] - corner[0]).cross(corner[2] - corner[0])));
+  const Vec3 normal = unit_or_zero(Vec3((corner[1] - corner[0]).cross(corner[2] - corner[0])));
   Slabs slabs;
   for (std::size_t i = 0; i < 4; ++i) {
-    const Vec3 axis = i == 3 ? normal : unit_or_zero(Vec3((corner[(i + 1) % 3] - corner[i]).cross(normal)));
+    const Vec3 axis =
+        i == 3 ? normal : unit_or_zero(Vec3((corner[(i + 1) % 3] - corner[i]).cross(normal)));
     Slab& slab = slabs[i];
     const double along[3] = {axis.dot(corner[0]), axis.dot(corner[1]), axis.dot(corner[2])};
     slab.low = static_cast<float>(std::min({along[0], along[1], along[2]}) - kSlabMargin);
     slab.high = static_cast<float>(std::max({along[0], along[1], along[2]}) + kSlabMargin);
-    for (std::size_t k = 0; k < 3; ++k) slab.axis[k] = static_cast<float>(axis[static_cast<Eigen::Index>(k)]);
+    for (std::size_t k = 0; k < 3; ++k)
+      slab.axis[k] = static_cast<float>(axis[static_cast<Eigen::Index>(k)]);
   }
   return slabs;
 }

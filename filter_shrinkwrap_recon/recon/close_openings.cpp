@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 #include "box_tree.h"
 #include "collapse_rating.h"
@@ -17,19 +18,26 @@ constexpr int kStalls = 3;        // rounds without a removal, edges flipped aft
 
 class OpeningCloser {
  public:
-  OpeningCloser(SurfaceMesh& mesh, Index first_extra, Progress& progress)
-      : mesh_(mesh),
-        pairs_(mesh.position),
-        boxes_(mesh.position, mesh.triangles(), progress),
-        spans_(mesh.face_slots(), 0) {
+  OpeningCloser(SurfaceMesh& mesh, Index first_extra, const std::vector<Index>& opening_faces,
+                Progress& progress)
+      : mesh_(mesh), pairs_(mesh.position), spans_(mesh.face_slots(), 0) {
     for (Index f = 0; f < mesh.face_slots(); ++f) {
       const Triangle t = mesh.triangle(f);
       if (std::max({t[0], t[1], t[2]}) >= first_extra) spans_[f] = 1;
     }
-    // Every other one first, then every other one of the rest, and so on: the faces grow evenly.
     const Index count = mesh.vertex_slots() - first_extra;
+    std::vector<char> stays(static_cast<std::size_t>(count), 0);
+    for (const Index f : opening_faces) {
+      spans_[f] = 0;
+      for (const Index v : mesh.triangle(f))
+        if (v >= first_extra) stays[v - first_extra] = 1;
+    }
+    // Every other one first, then every other one of the rest, and so on; the first of all last.
     for (Index step = 1; step <= count; step *= 2)
-      for (Index i = step - 1; i < count; i += 2 * step) pending_.push_back(first_extra + i);
+      for (Index i = step; i < count; i += 2 * step)
+        if (!stays[i]) pending_.push_back(first_extra + i);
+    if (count > 0 && !stays[0]) pending_.push_back(first_extra);
+    if (!pending_.empty()) boxes_ = BoxTree(mesh.position, mesh.triangles(), progress);
   }
 
   std::vector<char> close(Progress& progress) {
@@ -174,16 +182,64 @@ class OpeningCloser {
   std::vector<char> spans_;     // per face slot
   std::vector<Index> pending_;  // extra vertices
   CollapseRating rating_;
-  std::vector<Triangle> fresh_;    // faces that an operation would make ...
-  std::vector<Index> replaced_;    // ... in place of these
+  std::vector<Triangle> fresh_;  // faces that an operation would make ...
+  std::vector<Index> replaced_;  // ... in place of these
   std::vector<Index> stack_;
   std::vector<std::tuple<double, Index, Index>> ears_;  // length of the diagonal, half-edge, corner
 };
 
+// Edges that tell faces apart whatever becomes of their indices: the first two corners.
+class FaceNames {
+ public:
+  FaceNames(const SurfaceMesh& mesh, const std::vector<Index>& new_index)
+      : mesh_(mesh), new_index_(new_index) {}
+  void add(Index f) {
+    if (mesh_.is_removed_face(f)) return;
+    const Triangle t = mesh_.triangle(f);
+    edges_.emplace_back(new_index_[t[0]], new_index_[t[1]]);
+  }
+  // Once the mesh was renumbered: the faces, ascending, each once.
+  std::vector<Index> faces() const {
+    std::vector<Index> faces;
+    for (const auto& [from, to] : edges_)
+      faces.push_back(SurfaceMesh::face(mesh_.find_halfedge(from, to)));
+    std::sort(faces.begin(), faces.end());
+    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    return faces;
+  }
+
+ private:
+  const SurfaceMesh& mesh_;
+  const std::vector<Index>& new_index_;
+  std::vector<std::pair<Index, Index>> edges_;
+};
+
 }  // namespace
 
-std::vector<char> close_openings(SurfaceMesh& mesh, Index first_extra, Progress& progress) {
-  return OpeningCloser(mesh, first_extra, progress).close(progress);
+std::vector<char> close_openings(SurfaceMesh& mesh, Index first_extra, Progress& progress,
+                                 const std::vector<Index>& opening_faces) {
+  return OpeningCloser(mesh, first_extra, opening_faces, progress).close(progress);
+}
+
+Index close_openings(CompleteMatching& matching, Index samples, Progress& progress) {
+  SurfaceMesh& mesh = matching.mesh;
+  const Index before = mesh.vertex_count();
+  const std::vector<char> spans = close_openings(mesh, samples, progress, matching.opening_faces);
+  // Samples keep their index. Of the extra vertices only those that go change places.
+  std::vector<Index> new_index(mesh.position.size(), kNone);
+  Index count = 0;
+  for (Index v = 0; v < mesh.vertex_slots(); ++v)
+    if (!mesh.is_removed_vertex(v)) new_index[v] = count++;
+  FaceNames spanning(mesh, new_index), open(mesh, new_index);
+  for (const Index f : matching.spanning_faces) spanning.add(f);
+  for (const Index f : matching.opening_faces) open.add(f);
+  for (Index f = 0; f < mesh.face_slots(); ++f)
+    if (spans[f]) spanning.add(f);
+  mesh.renumber(new_index, progress);
+  matching.spanning_faces = spanning.faces();
+  matching.opening_faces = open.faces();
+  matching.sample_of_vertex.resize(mesh.position.size());
+  return before - mesh.vertex_count();
 }
 
 }  // namespace shrinkwrap

@@ -152,6 +152,15 @@ std::vector<Index> faces_of_openings(const SurfaceMesh& mesh, Index first_extra,
   return OpeningCutter(mesh, first_extra).cut(faces, progress);
 }
 
+double longest_spanning_edge(const CompleteMatching& matching) {
+  const std::vector<Index>& open = matching.opening_faces;
+  double longest = 0.0;
+  for (const Index f : matching.spanning_faces)
+    if (!std::binary_search(open.begin(), open.end(), f))
+      longest = std::max(longest, longest_edge(matching.mesh, f));
+  return longest;
+}
+
 OpeningsReport decide_openings(CompleteMatching& matching, Index samples, double spacing,
                                const CompleteMatchingOptions& options, Progress& progress) {
   const SurfaceMesh& mesh = matching.mesh;

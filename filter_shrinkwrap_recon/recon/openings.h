@@ -26,4 +26,7 @@ std::vector<Index> faces_of_openings(const SurfaceMesh& mesh, Index first_extra,
 OpeningsReport decide_openings(CompleteMatching& matching, Index samples, double spacing,
                                const CompleteMatchingOptions& options, Progress& progress);
 
+/// Of the faces that span openings and stay, in the frame of the mesh.
+double longest_spanning_edge(const CompleteMatching& matching);
+
 }  // namespace shrinkwrap

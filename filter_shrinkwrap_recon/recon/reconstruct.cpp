@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "bounding_box_start.h"
+#include "finish_matching.h"
 #include "freed_memory.h"
 #include "memory_estimate.h"
 #include "stage_qualities.h"
@@ -189,9 +190,12 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
 
     result.edge_optimisation =
         optimise_edges(matching.mesh, options.edge_optimisation, progress, matching.spanning_faces);
-    if (options.intersection_repair.enabled)
-      result.intersection_repair = repair_self_intersections(
-          matching.mesh, options.intersection_repair, progress, matching.opening_faces);
+    if (options.intersection_repair.enabled) {
+      FinishReport finish = finish_matching(matching, cloud.size(), cloud.spacing,
+                                            options.intersection_repair, result.openings, progress);
+      result.intersection_repair = std::move(finish.repair);
+      result.complete_matching.extra_vertices -= finish.removed_extra;
+    }
     is_counted = options.intersection_repair.enabled && matching.opening_faces.empty();
     result.mesh = to_result(matching, cloud, points);
     drop_faces(result.mesh, matching.opening_faces);

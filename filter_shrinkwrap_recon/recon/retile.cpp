@@ -1,7 +1,6 @@
 #include "retile.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "border_notches.h"
 #include "close_openings.h"
@@ -64,30 +63,6 @@ void drop_components_without_samples(SurfaceMesh& mesh, Index samples, Progress&
   mesh = SurfaceMesh::from_triangles(std::move(position), triangles, progress);
 }
 
-// Closes the openings and puts the mesh in order again. Returns the faces that span them,
-// ascending.
-std::vector<Index> close_and_renumber(SurfaceMesh& mesh, Index samples, Progress& progress) {
-  const std::vector<char> spans = close_openings(mesh, samples, progress);
-  // Faces are told apart by their first two corners, which renumbering does not change: samples
-  // keep their index. Of the extra vertices only those that go change places.
-  std::vector<Index> spanning;
-  std::vector<Index> new_index(mesh.position.size(), kNone);
-  Index count = 0;
-  for (Index v = 0; v < mesh.vertex_slots(); ++v)
-    if (!mesh.is_removed_vertex(v)) new_index[v] = count++;
-  std::vector<std::pair<Index, Index>> edges;
-  for (Index f = 0; f < mesh.face_slots(); ++f) {
-    if (!spans[f] || mesh.is_removed_face(f)) continue;
-    const Triangle t = mesh.triangle(f);
-    edges.emplace_back(new_index[t[0]], new_index[t[1]]);
-  }
-  mesh.renumber(new_index, progress);
-  for (const auto& [from, to] : edges)
-    spanning.push_back(SurfaceMesh::face(mesh.find_halfedge(from, to)));
-  std::sort(spanning.begin(), spanning.end());
-  return spanning;
-}
-
 // Vertices from `samples` on that a face holds which is not to be dropped.
 Index extra_vertices_kept(const SurfaceMesh& mesh, Index samples,
                           const std::vector<Index>& dropped_faces) {
@@ -141,7 +116,7 @@ CompleteMatching retile(SurfaceMesh parametric, const PointCloud& cloud,
       result.opening_faces = faces_of_openings(mesh, samples, progress);
       result.spanning_faces = result.opening_faces;
     } else {
-      result.spanning_faces = close_and_renumber(mesh, samples, progress);
+      close_openings(result, samples, progress);
     }
   }
   result.sample_of_vertex.assign(mesh.position.size(), SampleId::none);

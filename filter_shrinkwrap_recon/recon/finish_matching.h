@@ -1,0 +1,25 @@
+// The end of edge optimisation: faces that meet others parted, then openings closed that such faces
+// had kept from it.
+#pragma once
+
+#include "complete_matching.h"
+#include "intersection_repair.h"
+#include "openings.h"
+
+namespace shrinkwrap {
+
+struct FinishReport {
+  RepairReport repair;      ///< `faces_after` and `remaining_faces` are of the mesh as it comes out
+  Index removed_extra = 0;  ///< vertices that are no sample, removed after all
+};
+
+/// Repairs self-intersections (faces that stay open left alone). Around an opening the faces of the
+/// complete matching may cut where what spans it belongs, and then vertices that are no samples
+/// stay: once the faces are parted, these are removed as close_openings does it. `matching` and
+/// `openings` (the longest edge) are brought up to date. Pre: vertex i below `samples` is sample i,
+/// or nothing spans an opening. Post: closed 2-manifold of the same topology.
+FinishReport finish_matching(CompleteMatching& matching, Index samples, double spacing,
+                             const RepairOptions& options, OpeningsReport& openings,
+                             Progress& progress);
+
+}  // namespace shrinkwrap
