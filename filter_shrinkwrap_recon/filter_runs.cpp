@@ -147,6 +147,10 @@ void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings
         " left out: see MinComponentSamples.");
 }
 
+std::string notches_filled(Index count) {
+  return count_of(count, "notch", "notches") + " of their borders filled";
+}
+
 std::string openings_line(const OpeningsReport& report) {
   std::string line = "Openings: ";
   if (report.spanned > 0)
@@ -154,6 +158,7 @@ std::string openings_line(const OpeningsReport& report) {
             formatted("%.1f", report.longest_edge) + " spacings; face quality above 0)";
   if (report.left_open > 0)
     line += (report.spanned > 0 ? ", " : "") + std::to_string(report.left_open) + " left open";
+  if (report.notches_filled > 0) line += " (" + notches_filled(report.notches_filled) + ")";
   return line;
 }
 
@@ -340,7 +345,10 @@ FilterOutcome run_complete_matching(const FilterRequest& request, const FilterIn
   outcome.log.push_back("distance of the samples from the parametric surface: mean " +
                         formatted("%.3f", matching.report.mean_foot_distance) + ", greatest " +
                         formatted("%.3f", matching.report.max_foot_distance) + " spacings; " +
-                        count_of(matching.report.membranes, "opening"));
+                        count_of(matching.report.membranes, "opening") +
+                        (matching.report.notches_filled > 0
+                             ? ", " + notches_filled(matching.report.notches_filled)
+                             : ""));
   outcome.log.push_back(surface_verdict("complete matching", matching.mesh));
   outcome.mesh = to_result(matching, cloud, input.points);
   outcome.mesh.vertex_quality =
@@ -413,8 +421,7 @@ FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterIn
   matching.spanning_faces = input.marked_faces;
   if (options.openings == CompleteMatchingOptions::Openings::leave_open)
     matching.opening_faces = input.marked_faces;
-  OpeningsReport openings =
-      decide_openings(matching, cloud.size(), cloud.spacing, options, progress);
+  OpeningsReport openings = decide_openings(matching, cloud, options, progress);
   const std::vector<Index>& dropped = matching.opening_faces;
   const EdgeOptimisationReport report = optimise_edges(
       matching.mesh, request.options.edge_optimisation, progress, matching.spanning_faces);

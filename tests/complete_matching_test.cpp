@@ -340,9 +340,15 @@ TEST(Openings, HaveBordersWithoutPinchesAndLoseNoSample) {
     for (const unsigned seed : {1u, 2u, 3u}) {
       SCOPED_TRACE(::testing::Message() << "part " << part << ", seed " << seed);
       Index first_extra = 0;
-      const SurfaceMesh mesh = sphere_with_extra_vertices(part, seed, first_extra);
+      CompleteMatching matching;
+      matching.mesh = sphere_with_extra_vertices(part, seed, first_extra);
+      PointCloud cloud;  // of no spacing: no notch is narrow enough to be filled
+      cloud.position.resize(static_cast<std::size_t>(first_extra));
+      cloud.local_spacing.resize(static_cast<std::size_t>(first_extra), 0.0f);
       Progress silent;
-      const std::vector<Index> dropped = faces_of_openings(mesh, first_extra, silent);
+      leave_openings(matching, cloud, silent);
+      const SurfaceMesh& mesh = matching.mesh;
+      const std::vector<Index>& dropped = matching.opening_faces;
       std::vector<char> stays(static_cast<std::size_t>(mesh.face_slots()), 1);
       for (const Index f : dropped) stays[f] = 0;
       for (Index v = 0; v < mesh.vertex_slots(); ++v) {
@@ -376,6 +382,67 @@ TEST(Openings, AreClosedWithoutCuttingAnything) {
       expect_closed_manifold(mesh, 1, 0);
       EXPECT_EQ(self_intersecting_faces(mesh), 0);
     }
+}
+
+TEST(Openings, AreClosedWhereTheRimIsNoFanFromAnyCorner) {
+  // A comb in the plane, a sample below it, and what is no sample above.
+  constexpr Index kTeeth = 12;
+  std::vector<Vec3> positions;
+  for (Index i = 0; i < kTeeth; ++i) {
+    positions.push_back({1.0 * i, 4.0, 0.0});
+    positions.push_back({i + 0.5, i + 1 < kTeeth ? 0.5 : 4.0, 0.0});
+  }
+  positions.push_back({kTeeth - 0.5, 0.0, 0.0});
+  positions.push_back({0.0, 0.0, 0.0});
+  const Index rim = static_cast<Index>(positions.size());
+  positions.push_back({0.5 * kTeeth, 0.2, -1.0});
+  positions.push_back({0.5 * kTeeth, 0.2, 1.0});
+  std::vector<Triangle> triangles;
+  for (Index i = 0; i < rim; ++i) {
+    triangles.push_back({rim, i, (i + 1) % rim});
+    triangles.push_back({rim + 1, (i + 1) % rim, i});
+  }
+  SurfaceMesh mesh = SurfaceMesh::from_triangles(positions, triangles);
+  ASSERT_EQ(self_intersecting_faces(mesh), 0);
+  Progress silent;
+  close_openings(mesh, rim + 1, silent);
+  EXPECT_EQ(mesh.vertex_count(), rim + 1);
+  mesh.compact();
+  expect_closed_manifold(mesh, 1, 0);
+  EXPECT_EQ(self_intersecting_faces(mesh), 0);
+}
+
+TEST(Openings, ThatAreLeftOpenKeepTheirVertices) {
+  Index first_extra = 0;
+  CompleteMatching matching;
+  matching.mesh = sphere_with_extra_vertices(0.3, 4, first_extra);
+  SurfaceMesh& mesh = matching.mesh;
+  matching.sample_of_vertex.assign(mesh.position.size(), SampleId::none);
+  const Index kept = first_extra + 5;
+  const Vec3 place = mesh.position[kept];
+  mesh.for_each_outgoing(kept,
+                         [&](Index h) { matching.opening_faces.push_back(SurfaceMesh::face(h)); });
+  std::sort(matching.opening_faces.begin(), matching.opening_faces.end());
+  matching.spanning_faces = matching.opening_faces;
+  std::vector<Triangle> open;
+  for (const Index f : matching.opening_faces) open.push_back(mesh.triangle(f));
+  Index beside = 0;  // of its neighbours, those that are no samples: they stay too
+  mesh.for_each_outgoing(kept, [&](Index h) { beside += mesh.target(h) >= first_extra; });
+  Progress silent;
+  const Index removed = close_openings(matching, first_extra, silent);
+  EXPECT_GT(removed, 0);
+  EXPECT_EQ(mesh.vertex_count(), first_extra + 1 + beside);
+  EXPECT_EQ(static_cast<Index>(matching.sample_of_vertex.size()), mesh.vertex_count());
+  EXPECT_EQ(matching.opening_faces.size(), open.size());
+  for (const Index f : matching.opening_faces) {
+    const Triangle t = mesh.triangle(f);
+    EXPECT_TRUE(
+        std::any_of(t.begin(), t.end(), [&](Index v) { return mesh.position[v] == place; }));
+  }
+  for (const Index f : matching.opening_faces)
+    EXPECT_TRUE(
+        std::binary_search(matching.spanning_faces.begin(), matching.spanning_faces.end(), f));
+  expect_closed_manifold(mesh, 1, 0);
 }
 
 TEST(Openings, KeepAnExtraVertexThatCannotGo) {

@@ -99,6 +99,15 @@ INSTANTIATE_TEST_SUITE_P(
                       ChainCase{"with_outliers", ShapeKind::blob, {{"ExcludeOutliers", 0}}}),
     [](const auto& test) { return test.param.name; });
 
+// Vertices that are no samples go only once the faces around openings are parted.
+TEST(FilterRuns, ChainOverScanLinesGivesTheBytesOfTheOneShot) {
+  FilterInput input;
+  input.points = in_single_precision(sample_sphere_on_scan_lines(2000, 1));
+  const FilterOutcome one_shot = run(Filter::reconstruct, input);
+  expect_same_bytes(one_shot.mesh, run_chain(input.points, {}).mesh);
+  EXPECT_EQ(one_shot.mesh.position.size(), input.points.size());
+}
+
 TEST(FilterRuns, ChainToTheSurfaceOfANoisyCloudGivesTheBytesOfTheOneShot) {
   SampleDefects defects;
   defects.noise = 0.6;

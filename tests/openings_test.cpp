@@ -80,7 +80,9 @@ struct Decision {
   OpeningsReport report;
 };
 
-Decision decide(SurfaceMesh mesh, std::vector<Index> spanning, double widest_opening) {
+// Of no local spacing: no notch is narrow enough to be filled.
+Decision decide(SurfaceMesh mesh, std::vector<Index> spanning, double widest_opening,
+                double local_spacing = 0.0) {
   Decision decision;
   std::sort(spanning.begin(), spanning.end());
   const Index samples = mesh.vertex_count();
@@ -90,7 +92,12 @@ Decision decide(SurfaceMesh mesh, std::vector<Index> spanning, double widest_ope
   options.openings = CompleteMatchingOptions::Openings::automatic;
   options.widest_opening = widest_opening;
   Progress silent;
-  decision.report = decide_openings(decision.matching, samples, 1.0, options, silent);
+  PointCloud cloud;
+  cloud.position.assign(decision.matching.mesh.position.begin(),
+                        decision.matching.mesh.position.begin() + samples);
+  cloud.local_spacing.assign(static_cast<std::size_t>(samples), static_cast<float>(local_spacing));
+  cloud.spacing = 1.0;
+  decision.report = decide_openings(decision.matching, cloud, options, silent);
   return decision;
 }
 
@@ -137,6 +144,70 @@ TEST(Openings, NoSampleLosesItsLastFace) {
     kept += !std::binary_search(decision.matching.opening_faces.begin(),
                                 decision.matching.opening_faces.end(), f);
   EXPECT_GT(kept, 0);
+}
+
+TEST(Openings, NotchesInTheirBordersAreFilledWhenTheyAreDecided) {
+  // All faces around two neighbouring samples of a round border but one, which leaves a notch.
+  SurfaceMesh mesh = icosphere(3);
+  std::vector<Index> disc;
+  mesh.for_each_outgoing(100, [&](Index h) {
+    mesh.for_each_outgoing(mesh.target(h), [&](Index g) { disc.push_back(SurfaceMesh::face(g)); });
+  });
+  std::sort(disc.begin(), disc.end());
+  disc.erase(std::unique(disc.begin(), disc.end()), disc.end());
+  const Index rim_face = [&] {  // across the border, with one edge on it
+    for (const Index f : disc)
+      for (Index h = 3 * f; h < 3 * f + 3; ++h) {
+        const Index other = SurfaceMesh::face(mesh.twin(h));
+        if (!std::binary_search(disc.begin(), disc.end(), other)) return other;
+      }
+    return kNone;
+  }();
+  ASSERT_NE(rim_face, kNone);
+  std::vector<Index> ragged = disc;
+  ragged.push_back(rim_face);
+  const Decision without = decide(mesh, ragged, 0.01, 0.0), with = decide(mesh, ragged, 0.01, 1.0);
+  EXPECT_EQ(without.report.notches_filled, 0);
+  EXPECT_EQ(with.report.left_open, 1);
+  EXPECT_GT(with.report.notches_filled, 0);
+  EXPECT_LT(with.matching.opening_faces.size(), without.matching.opening_faces.size());
+  EXPECT_FALSE(std::binary_search(with.matching.opening_faces.begin(),
+                                  with.matching.opening_faces.end(), rim_face));
+  EXPECT_TRUE(with.matching.mesh.is_consistent());
+}
+
+TEST(Openings, LeftOpenTellTheNotchesFilled) {
+  for (const auto kind : {CompleteMatchingOptions::Openings::leave_open,
+                          CompleteMatchingOptions::Openings::automatic}) {
+    ReconstructionOptions options;
+    options.complete_matching.openings = kind;
+    options.complete_matching.widest_opening = 10.0;
+    Progress silent;
+    const Reconstruction result =
+        reconstruct(sample_shape(ShapeKind::hemisphere, kSamples, 1), options, silent);
+    EXPECT_GT(result.openings.notches_filled, 0);
+    EXPECT_EQ(result.report.border_loops, 1);
+    EXPECT_EQ(result.report.samples_matched, kSamples);
+  }
+}
+
+// Faces that meet around an opening keep vertices from being removed until they are parted.
+TEST(Openings, OfScanLinesAreSpannedBetweenSamplesOnly) {
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Progress silent;
+    const Reconstruction result = reconstruct(sample_sphere_on_scan_lines(2000, seed), {}, silent);
+    EXPECT_GE(result.openings.spanned, 1);
+    EXPECT_EQ(result.complete_matching.extra_vertices, 0);
+    EXPECT_EQ(result.report.vertices_extra, 0);
+    EXPECT_EQ(result.report.self_intersecting_faces, 0);
+    EXPECT_TRUE(result.report.closed() && result.report.manifold());
+    EXPECT_EQ(result.report.genus, 0);
+    double longest = 0.0;
+    for (const float quality : result.mesh.face_quality)
+      longest = std::max<double>(longest, quality);
+    EXPECT_NEAR(longest, result.openings.longest_edge, 1e-4);
+  }
 }
 
 }  // namespace

@@ -332,6 +332,20 @@ std::vector<Vec3> sample_shape_blue_noise(ShapeKind kind, Index count, unsigned 
   return with_defects(std::move(samples), shape.radius, defects, random);
 }
 
+std::vector<Vec3> sample_sphere_on_scan_lines(Index count, unsigned seed) {
+  std::vector<Vec3> points = sample_shape(ShapeKind::sphere, count, seed);
+  const double distance = std::sqrt(3.0 * 4.0 * 3.14159265358979323846 / count);
+  for (Vec3& p : points) {
+    const double z = distance * (std::floor(p.z() / distance) + 0.5);
+    const double part = std::sqrt(std::max(0.0, 1.0 - z * z) / (p.x() * p.x() + p.y() * p.y()));
+    p = {part * p.x(), part * p.y(), z};
+  }
+  points.erase(std::remove_if(points.begin(), points.end(),
+                              [](const Vec3& p) { return std::abs(p.z()) >= 1.0; }),
+               points.end());
+  return points;
+}
+
 SurfaceMesh icosphere(int subdivisions) {
   const double golden = 0.5 * (1.0 + std::sqrt(5.0));
   std::vector<Vec3> position;

@@ -105,6 +105,10 @@ std::vector<Vec3> sample_shape(ShapeKind kind, Index count, unsigned seed,
 std::vector<Vec3> sample_shape_blue_noise(ShapeKind kind, Index count, unsigned seed,
                                           const SampleDefects& defects = {});
 
+/// The unit sphere sampled along lines of equal z, three times as far apart as the samples of a
+/// line.
+std::vector<Vec3> sample_sphere_on_scan_lines(Index count, unsigned seed);
+
 /// The unit sphere as an icosahedron whose faces were split into four `subdivisions` times:
 /// 10 * 4^subdivisions + 2 vertices.
 SurfaceMesh icosphere(int subdivisions);

@@ -31,6 +31,7 @@ struct CompleteMatchingReport {
   double mean_foot_distance = 0.0;  ///< of the samples from the parametric surface, x spacing
   double max_foot_distance = 0.0;   ///< x spacing: above 2 the start was wrong somewhere
   Index membranes = 0;              ///< openings that were spanned or left open
+  Index notches_filled = 0;         ///< triangles that straighten the borders of those left open
   Index forced_removals = 0;        ///< removals that had to turn a face
   Index extra_vertices = 0;  ///< vertices that are no sample and could not be removed without harm
 };

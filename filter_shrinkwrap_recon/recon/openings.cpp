@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "border_notches.h"
+
 namespace shrinkwrap {
 namespace {
 
@@ -132,6 +134,13 @@ Patches find_patches(const SurfaceMesh& mesh, const std::vector<Index>& faces) {
   return patches;
 }
 
+std::vector<Index> marked_faces(const std::vector<char>& is_marked) {
+  std::vector<Index> faces;
+  for (std::size_t f = 0; f < is_marked.size(); ++f)
+    if (is_marked[f]) faces.push_back(static_cast<Index>(f));
+  return faces;
+}
+
 double longest_edge(const SurfaceMesh& mesh, Index f) {
   double longest = 0.0;
   for (Index h = 3 * f; h < 3 * f + 3; ++h)
@@ -142,14 +151,17 @@ double longest_edge(const SurfaceMesh& mesh, Index f) {
 
 }  // namespace
 
-std::vector<Index> faces_of_openings(const SurfaceMesh& mesh, Index first_extra,
-                                     Progress& progress) {
-  std::vector<Index> faces;
+void leave_openings(CompleteMatching& matching, const PointCloud& cloud, Progress& progress) {
+  SurfaceMesh& mesh = matching.mesh;
+  std::vector<char> is_dropped(static_cast<std::size_t>(mesh.face_slots()), 0);
   for (Index f = 0; f < mesh.face_slots(); ++f) {
     const Triangle t = mesh.triangle(f);
-    if (std::max({t[0], t[1], t[2]}) >= first_extra) faces.push_back(f);
+    is_dropped[f] = std::max({t[0], t[1], t[2]}) >= cloud.size();
   }
-  return OpeningCutter(mesh, first_extra).cut(faces, progress);
+  matching.report.notches_filled = fill_border_notches(mesh, cloud, is_dropped, progress);
+  matching.opening_faces =
+      OpeningCutter(mesh, cloud.size()).cut(marked_faces(is_dropped), progress);
+  matching.spanning_faces = matching.opening_faces;
 }
 
 double longest_spanning_edge(const CompleteMatching& matching) {
@@ -161,22 +173,23 @@ double longest_spanning_edge(const CompleteMatching& matching) {
   return longest;
 }
 
-OpeningsReport decide_openings(CompleteMatching& matching, Index samples, double spacing,
+OpeningsReport decide_openings(CompleteMatching& matching, const PointCloud& cloud,
                                const CompleteMatchingOptions& options, Progress& progress) {
-  const SurfaceMesh& mesh = matching.mesh;
+  SurfaceMesh& mesh = matching.mesh;
   std::vector<Index>& spanning = matching.spanning_faces;
   OpeningsReport report;
+  report.notches_filled = matching.report.notches_filled;
   if (spanning.empty()) return report;
   const Patches patches = find_patches(mesh, spanning);
   std::vector<double> width(static_cast<std::size_t>(patches.count), 0.0);  // of each patch
   for (std::size_t i = 0; i < spanning.size(); ++i) {
     double& widest = width[patches.of_face[i]];
-    widest = std::max(widest, longest_edge(mesh, spanning[i]) / spacing);
+    widest = std::max(widest, longest_edge(mesh, spanning[i]) / cloud.spacing);
   }
+  const bool is_automatic = options.openings == CompleteMatchingOptions::Openings::automatic;
   const auto is_left_open = [&](Index patch) {
     return options.openings == CompleteMatchingOptions::Openings::leave_open ||
-           (options.openings == CompleteMatchingOptions::Openings::automatic &&
-            width[patch] > options.widest_opening);
+           (is_automatic && width[patch] > options.widest_opening);
   };
   for (Index patch = 0; patch < patches.count; ++patch) {
     if (is_left_open(patch)) {
@@ -186,14 +199,25 @@ OpeningsReport decide_openings(CompleteMatching& matching, Index samples, double
       report.longest_edge = std::max(report.longest_edge, width[patch]);
     }
   }
-  if (options.openings == CompleteMatchingOptions::Openings::automatic && report.left_open > 0) {
-    std::vector<Index> wide, both;
+  if (is_automatic && report.left_open > 0) {
+    std::vector<char> is_wide(static_cast<std::size_t>(mesh.face_slots()), 0);
+    std::vector<Index> spanned;
     for (std::size_t i = 0; i < spanning.size(); ++i)
-      if (is_left_open(patches.of_face[i])) wide.push_back(spanning[i]);
-    matching.opening_faces = OpeningCutter(mesh, samples).cut(wide, progress);
-    std::set_union(spanning.begin(), spanning.end(), matching.opening_faces.begin(),
-                   matching.opening_faces.end(), std::back_inserter(both));
-    spanning = std::move(both);
+      if (is_left_open(patches.of_face[i]))
+        is_wide[spanning[i]] = 1;
+      else
+        spanned.push_back(spanning[i]);
+    report.notches_filled = fill_border_notches(mesh, cloud, is_wide, progress);
+    matching.opening_faces = OpeningCutter(mesh, cloud.size()).cut(marked_faces(is_wide), progress);
+    // A wide face that stays so that no sample is lost spans an opening all the same.
+    std::vector<Index> wide = marked_faces(is_wide), both;
+    for (const std::vector<Index>* more : {&wide, &matching.opening_faces}) {
+      both.clear();
+      std::set_union(spanned.begin(), spanned.end(), more->begin(), more->end(),
+                     std::back_inserter(both));
+      spanned = both;
+    }
+    spanning = std::move(spanned);
   }
   return report;
 }

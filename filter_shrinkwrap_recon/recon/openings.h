@@ -11,19 +11,21 @@ struct OpeningsReport {
   Index spanned = 0;          ///< patches of faces that span an opening, and stay
   double longest_edge = 0.0;  ///< of these, x spacing
   Index left_open = 0;        ///< patches that are dropped
+  Index notches_filled = 0;   ///< triangles that straighten their borders
 };
 
-/// The faces to drop so that membranes become openings with clean borders, ascending: those that
-/// hold a vertex from `first_extra` on, and a few more or less, so that every vertex has one fan of
-/// faces left, and every vertex below `first_extra` at least one face. Pre: closed mesh.
-std::vector<Index> faces_of_openings(const SurfaceMesh& mesh, Index first_extra,
-                                     Progress& progress);
+/// Makes membranes openings with clean borders, whose notches are filled (border_notches.h). The
+/// faces to drop, `opening_faces` (and `spanning_faces`), are those that hold a vertex beyond the
+/// samples, and a few more or less, so that every vertex has one fan of faces left, and every
+/// sample at least one face. Counts the notches in `report`. Pre: closed mesh, vertex i below
+/// `cloud.size()` is sample i.
+void leave_openings(CompleteMatching& matching, const PointCloud& cloud, Progress& progress);
 
 /// For Openings::automatic: of the patches that span openings, those with an edge longer than
-/// `widest_opening` spacings become openings with clean borders. Fills in `opening_faces`, and adds
-/// these to `spanning_faces`. Otherwise only counts. Pre: the mesh is closed, vertex i below
-/// `samples` is sample i. O(F) where something spans.
-OpeningsReport decide_openings(CompleteMatching& matching, Index samples, double spacing,
+/// `widest_opening` spacings become openings with clean borders, whose notches are filled. Fills in
+/// `opening_faces`, and adds these to `spanning_faces`. Otherwise only counts. Pre: the mesh is
+/// closed, vertex i below `cloud.size()` is sample i. O(F) where something spans.
+OpeningsReport decide_openings(CompleteMatching& matching, const PointCloud& cloud,
                                const CompleteMatchingOptions& options, Progress& progress);
 
 /// Of the faces that span openings and stay, in the frame of the mesh.

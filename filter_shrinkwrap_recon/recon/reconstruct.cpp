@@ -176,8 +176,7 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
     CompleteMatching matching =
         match_samples(std::move(mesh), cloud, options.complete_matching, progress);
     result.complete_matching = matching.report;
-    result.openings =
-        decide_openings(matching, cloud.size(), cloud.spacing, options.complete_matching, progress);
+    result.openings = decide_openings(matching, cloud, options.complete_matching, progress);
     const auto distances = [&](const ResultMesh& stage) {
       return distances_from_surface(stage, surface, cloud.frame, progress);
     };

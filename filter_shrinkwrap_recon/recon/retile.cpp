@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "border_notches.h"
 #include "close_openings.h"
 #include "delaunay_flips.h"
 #include "insert_feet.h"
@@ -112,9 +111,7 @@ CompleteMatching retile(SurfaceMesh parametric, const PointCloud& cloud,
   if (mesh.vertex_count() > samples) drop_components_without_samples(mesh, samples, progress);
   if (mesh.vertex_count() > samples && membranes.count > 0) {
     if (options.openings == Openings::leave_open) {
-      fill_border_notches(mesh, cloud, samples, progress);
-      result.opening_faces = faces_of_openings(mesh, samples, progress);
-      result.spanning_faces = result.opening_faces;
+      leave_openings(result, cloud, progress);
     } else {
       close_openings(result, samples, progress);
     }
