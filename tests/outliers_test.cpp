@@ -103,6 +103,39 @@ TEST(Outliers, ScanLinesAreNotStray) {
   }
 }
 
+// The last line around a pole: few samples, as far from the next line as they are from each other.
+// Elsewhere, or if they do not lie in a surface, they are stray.
+TEST(Outliers, TheLastScanLineAtAPoleIsNotStray) {
+  constexpr double kDistance = 0.08, kTurn = 6.283185307179586;
+  for (const Index corners : {16, 20, 28}) {
+    SCOPED_TRACE(corners);
+    Random random(11);
+    const auto sphere = [&] {
+      std::vector<Vec3> points;
+      for (double z = 1.0 - 1.1 * kDistance; z > -1.0; z -= kDistance)
+        for (int i = 0; i < static_cast<int>(kTurn * std::sqrt(1.0 - z * z) / 0.03); ++i) {
+          const double angle = kTurn * random.uniform(), radius = std::sqrt(1.0 - z * z);
+          points.push_back({radius * std::cos(angle), radius * std::sin(angle), z});
+        }
+      return points;
+    };
+    const auto add_ring = [&](std::vector<Vec3>& points, double z) {
+      const double radius = std::sqrt(0.2 * kDistance);
+      for (Index i = 0; i < corners; ++i)
+        points.push_back(
+            {radius * std::cos(kTurn * i / corners), radius * std::sin(kTurn * i / corners), z});
+    };
+    std::vector<Vec3> at_pole = sphere(), above = sphere(), heap = sphere();
+    add_ring(at_pole, 1.0 - 0.1 * kDistance);
+    EXPECT_EQ(found_in(at_pole), 0u);
+    add_ring(above, 1.6);
+    EXPECT_EQ(found_in(above), static_cast<std::size_t>(corners));
+    for (Index i = 0; i < corners; ++i)
+      heap.push_back(Vec3(0.0, 0.0, 1.2) + 0.08 * random.in_cube());
+    EXPECT_EQ(found_in(heap), static_cast<std::size_t>(corners));
+  }
+}
+
 TEST(Outliers, StrayPointsAreFoundAndNothingElse) {
   for (const ShapeKind kind : {ShapeKind::sphere, ShapeKind::blob, ShapeKind::two_spheres})
     for (const double part : {0.005, 0.05}) {

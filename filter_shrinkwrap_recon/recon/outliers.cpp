@@ -121,8 +121,56 @@ class OutlierSearch {
     for (Index i = 0; i < cloud_.size(); ++i) kept_[i] = core_[i] && is_large(i);
     keep_more([&](Index i) { return !core_[i] && is_held(i, options_.reach_of_others); });
     keep_more([&](Index i) { return !core_[i] && is_held(i, options_.reach_beyond); });
+    keep_flat_sets();
     keep_more([&](Index i) { return is_supported(i); });
     for (int ring = 0; ring < kRingsGoneOn; ++ring) keep_more([&](Index i) { return goes_on(i); });
+  }
+
+  // Keeps small sets that are flat, dense, and near for their width to samples that are kept.
+  void keep_flat_sets() {
+    struct Set {
+      Index size = 0;
+      Vec3 centre = Vec3::Zero();
+      double roughness = 0.0, spacing = 0.0, radius = 0.0;
+    };
+    std::vector<Index> place(cloud_.position.size(), kNone);  // in `sets`, of their roots
+    std::vector<Index> sample;
+    std::vector<Set> sets;
+    for (Index i = 0; i < cloud_.size(); ++i) {
+      if (kept_[i] || !core_[i] || size_[sets_.find(i)] < cloud_.neighbour_count) continue;
+      Index& of_root = place[sets_.find(i)];
+      if (of_root == kNone) {
+        of_root = static_cast<Index>(sets.size());
+        sets.emplace_back();
+      }
+      Set& set = sets[of_root];
+      ++set.size;
+      set.centre += cloud_.position[i];
+      set.roughness += roughness(i);
+      set.spacing += cloud_.local_spacing[i];
+      sample.push_back(i);
+    }
+    for (Set& set : sets) set.centre /= set.size;
+    const auto set_of = [&](Index i) -> Set& { return sets[place[sets_.find(i)]]; };
+    for (const Index i : sample) {
+      Set& set = set_of(i);
+      set.radius = std::max(set.radius, (cloud_.position[i] - set.centre).norm());
+    }
+    const std::vector<char> kept = kept_;
+    for (const Index i : sample) {
+      const Set& set = set_of(i);
+      if (set.size == 0 || set.roughness > options_.roughness * set.size ||
+          set.spacing > options_.spacing_of_flat_sets * cloud_.spacing * set.size)
+        continue;
+      const double reach = options_.reach_of_flat_sets * 2.0 * set.radius;
+      const Index near =
+          cloud_.search.nearest_if(cloud_.position[i], reach, [&](Index j) { return kept[j] != 0; })
+              .index;
+      if (near == kNone) continue;
+      set_of(i).size = 0;  // marks it
+    }
+    for (const Index i : sample)
+      if (set_of(i).size == 0) kept_[i] = 1;
   }
 
   // Keeps those of the samples left over of which `belongs` says so, all at once.

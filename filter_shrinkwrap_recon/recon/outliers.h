@@ -16,6 +16,10 @@ struct OutlierOptions {
   double reach_of_others = 3.0;  ///< from a core sample to one that is none
   double reach_beyond = 1.5;     ///< from there to one further
   Index smallest_set = 30;       ///< samples; a hundredth of all where that is less, at least 4
+  // A smaller set, as the last lines of a scan are, stays if it makes up the neighbourhoods of its
+  // samples, is as flat as a surface (`roughness`), as dense as the rest, and near for its width.
+  double spacing_of_flat_sets = 3.0;  ///< x median spacing, on average at most
+  double reach_of_flat_sets = 1.5;    ///< x width of the set: from samples that stay
   /// No core sample has a spacing of more than this many times that of most of its neighbours ...
   double least_alike = 1.5;
   /// ... nor, if its spacing is more than this many times the median, may it be part of a haze of
