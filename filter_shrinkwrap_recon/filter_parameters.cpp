@@ -11,6 +11,7 @@ using Kind = Parameter::Kind;
 // Names of parameters, each used where it is declared and where it is read.
 constexpr char kMethod[] = "Method";
 constexpr char kStopAtSurface[] = "StopAtParametricSurface";
+constexpr char kSmoothForNoise[] = "SmoothForNoise";
 constexpr char kOpenings[] = "Openings";
 constexpr char kSelectedOnly[] = "SelectedOnly";
 constexpr char kExcludeOutliers[] = "ExcludeOutliers";
@@ -109,13 +110,13 @@ Parameter exclude_outliers() {
               "Off: every point becomes a vertex, stray or not."));
 }
 
-// Of the filters of the stages before: so that their chain ends in what the whole method gives.
+// Of the filters of the stages: so that their chain ends in what the whole method gives.
 Parameter smooth_for_noise() {
-  return boolean(kStopAtSurface, "For stopping at the parametric surface", false,
-                 "The parametric surface is to be the result, and no complete matching follows: "
-                 "if the points are noisy (more than about a twelfth of their spacing), smooth "
-                 "the surface for it. Choose the same in the filters Initial Mesh and Parametric "
-                 "Surface.");
+  return boolean(kSmoothForNoise, "Smooth the surface for noise", false,
+                 "If the points are noisy (more than about a twelfth of their spacing), smooth the "
+                 "surface for it, as the whole method does where it stops at the parametric "
+                 "surface, and where its log says so. Choose the same in the filters Initial Mesh, "
+                 "Parametric Surface and Complete Matching.");
 }
 
 Parameter openings() {
@@ -403,6 +404,7 @@ std::vector<Parameter> parameters_of(Filter filter) {
               selected_only(),
               exclude_outliers(),
               method(),
+              smooth_for_noise(),
               openings(),
               neighbours()};
       break;
@@ -455,6 +457,7 @@ FilterRequest request_of(Filter filter, const ParameterValues& values) {
   request.fail_if_incomplete = reader.is_on(kFailIfIncomplete);
 
   reader.read(kStopAtSurface, options.stop_at_parametric_surface);
+  reader.read(kSmoothForNoise, options.stop_at_parametric_surface);
   reader.read(kExcludeOutliers, options.outliers.exclude);
   reader.read(kKeepStages, options.keep_stages);
   reader.read(kThreads, options.threads);

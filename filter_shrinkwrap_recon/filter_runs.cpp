@@ -151,6 +151,21 @@ std::string notches_filled(Index count) {
   return count_of(count, "notch", "notches") + " of their borders filled";
 }
 
+// What came of the second attempt at a noisy cloud.
+void tell_of(const SmoothingReport& report, FilterOutcome& outcome) {
+  if (!report.is_tried) return;
+  const auto faults = [](Index count) {
+    return count_of(count, "fault") + " (faces that meet others, vertices without a sample)";
+  };
+  outcome.log.push_back(
+      report.is_taken
+          ? "Noise: the surface was smoothed for it before the samples were matched, which "
+            "leaves " +
+                faults(report.faults_with) + " instead of " + std::to_string(report.faults_without)
+          : "Noise: a surface smoothed for it was tried, but leaves " + faults(report.faults_with) +
+                " instead of " + std::to_string(report.faults_without));
+}
+
 std::string openings_line(const OpeningsReport& report) {
   std::string line = "Openings: ";
   if (report.spanned > 0)
@@ -223,10 +238,13 @@ PointCloud prepare(const FilterInput& input, const ReconstructionOptions& option
   return cloud;
 }
 
-PointCloud prepare_oriented(const FilterInput& input, const ReconstructionOptions& options,
+// As a parametric surface meets them: where they are, with the normals that it was made with.
+PointCloud prepare_to_match(const FilterInput& input, ReconstructionOptions options,
                             Progress& progress, FilterOutcome& outcome) {
   PointCloud cloud = prepare(input, options, progress, outcome);
-  warn_of(orient_normals(cloud, options.orientation, progress), outcome.warnings);
+  warn_of(orient_and_smooth(cloud, options, progress).orientation, outcome.warnings);
+  if (cloud.is_denoised())
+    undo_denoising(cloud, input.points, options.samples.neighbours, progress);
   return cloud;
 }
 
@@ -251,6 +269,7 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   outcome.figures["seconds_total"] = total;
   outcome.log.push_back(table_row("total", static_cast<Index>(result.mesh.position.size()), total));
   for (std::string& line : describe(result.report)) outcome.log.push_back(std::move(line));
+  tell_of(result.smoothing, outcome);
   outcome.log.push_back(kSucceeded + verdict_of(result.report) + but_outliers(result.outliers));
   tell_of(result.outliers, outcome);
   outcome.outliers = outlier_layer(result.outliers, input.points);
@@ -287,7 +306,7 @@ FilterOutcome run_initial_mesh(const FilterRequest& request, const FilterInput& 
   PointCloud cloud = prepare(input, options, progress, outcome);
   const CloudReport samples = orient_and_smooth(cloud, options, progress);
   warn_of(samples.orientation, outcome.warnings);
-  tell_of_noise(samples.noise, options, outcome);
+  tell_of_noise(samples.noise.median, options, outcome);
   const InitialMesh initial = make_initial_mesh(cloud, options.initial_mesh, progress);
   warn_of(initial.report, outcome.warnings);
   outcome.log.push_back(surface_verdict("initial mesh", initial.mesh));
@@ -337,7 +356,7 @@ FilterOutcome run_parametric_surface(const FilterRequest& request, const FilterI
 FilterOutcome run_complete_matching(const FilterRequest& request, const FilterInput& input,
                                     Progress& progress) {
   FilterOutcome outcome;
-  const PointCloud cloud = prepare_oriented(input, request.options, progress, outcome);
+  const PointCloud cloud = prepare_to_match(input, request.options, progress, outcome);
   const SurfaceMesh surface = closed_surface(input.mesh, cloud.frame);
   CompleteMatching matching =
       match_samples(surface, cloud, request.options.complete_matching, progress);

@@ -113,13 +113,28 @@ TEST(FilterRuns, ChainToTheSurfaceOfANoisyCloudGivesTheBytesOfTheOneShot) {
   defects.noise = 0.6;
   FilterInput input;
   input.points = in_single_precision(sample_shape(ShapeKind::torus, 2500, 3, defects));
-  const ParameterValues stop = {{"StopAtParametricSurface", 1}};
-  const FilterOutcome one_shot = run(Filter::reconstruct, input, stop);
+  const FilterOutcome one_shot = run(Filter::reconstruct, input, {{"StopAtParametricSurface", 1}});
+  const ParameterValues stop = {{"SmoothForNoise", 1}};
   FilterOutcome chain = run(Filter::initial_mesh, input, stop);
   chain = run(Filter::control_mesh, through_layer(input.points, chain));
   const FilterInput control = through_layer(input.points, chain);
   expect_same_bytes(one_shot.mesh, run(Filter::parametric_surface, control, stop).mesh);
   EXPECT_NE(one_shot.mesh.position, run(Filter::parametric_surface, control).mesh.position);
+}
+
+TEST(FilterRuns, ChainThroughTheSamplesOfANoisyCloudGivesTheBytesOfTheOneShot) {
+  SampleDefects defects;
+  defects.noise = 1.0;
+  FilterInput input;
+  input.points = in_single_precision(sample_shape(ShapeKind::double_torus, 2500, 3, defects));
+  const FilterOutcome one_shot = run(Filter::reconstruct, input);
+  const auto is_said = [&](const char* words) {
+    return std::any_of(one_shot.log.begin(), one_shot.log.end(), [&](const std::string& line) {
+      return line.find(words) != std::string::npos;
+    });
+  };
+  ASSERT_TRUE(is_said("was smoothed for it"));
+  expect_same_bytes(one_shot.mesh, run_chain(input.points, {{"SmoothForNoise", 1}}).mesh);
 }
 
 TEST(FilterRuns, KeptStagesAreThoseOfTheChain) {

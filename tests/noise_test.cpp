@@ -103,6 +103,33 @@ TEST(Noise, TheParametricSurfaceOfANoisyCloudIsSmoothedForIt) {
   EXPECT_LT(mean_error(smooth), 0.6 * mean_error(rough));
 }
 
+// The mesh through every sample is rough, but it has the handles of the object and none of the
+// noise, and its faces do not meet.
+TEST(Noise, TheMatchingOfANoisyCloudHasTheTopologyOfTheObject) {
+  const auto matched = [](ShapeKind kind, unsigned seed, double smoothed_from) {
+    ReconstructionOptions options;
+    options.noise.high = smoothed_from;
+    Progress silent;
+    return reconstruct(noisy(kind, 5000, seed, 1.0), options, silent).report;
+  };
+  Index faces_smoothed = 0, faces_rough = 0;
+  int wrong = 0;
+  for (const ShapeKind kind : {ShapeKind::torus, ShapeKind::double_torus, ShapeKind::blob}) {
+    const Shape shape = shape_of(kind);
+    SCOPED_TRACE(shape.name);
+    const MeshReport smoothed = matched(kind, 8, NoiseOptions().high),
+                     rough = matched(kind, 8, 1e6);
+    EXPECT_EQ(smoothed.genus, shape.genus);
+    EXPECT_EQ(smoothed.components, 1);
+    EXPECT_TRUE(smoothed.complete_matching());
+    wrong += rough.genus != shape.genus;
+    faces_smoothed += smoothed.self_intersecting_faces;
+    faces_rough += rough.self_intersecting_faces;
+  }
+  EXPECT_GT(wrong, 0) << "the cases are too easy";
+  EXPECT_LT(faces_smoothed, 0.3 * faces_rough);
+}
+
 TEST(Noise, FewSamplesTellNothing) {
   EXPECT_EQ(noise_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}}), 0.0);
 }

@@ -242,7 +242,25 @@ void denoise(PointCloud& cloud, double noise, int neighbours, const DenoisingOpt
   cloud.search = VoxelSearch(cloud.position, progress);
   measure_neighbourhoods(cloud, neighbours, progress);
   for (Index i = 0; i < cloud.size(); ++i) cloud.normal[i] = cloud.plane[i].normal;
-  cloud.is_denoised = true;
+  cloud.index_before = order;
+}
+
+void undo_denoising(PointCloud& cloud, const std::vector<Vec3>& points, int neighbours,
+                    Progress& progress) {
+  std::vector<Index> input_index(cloud.input_index.size());
+  std::vector<Vec3f> normal(cloud.normal.size());
+  for (Index i = 0; i < cloud.size(); ++i) {
+    input_index[cloud.index_before[i]] = cloud.input_index[i];
+    normal[cloud.index_before[i]] = cloud.normal[i];
+  }
+  for (Index i = 0; i < cloud.size(); ++i)
+    cloud.position[i] = cloud.frame.to_unit(points[input_index[i]]);
+  cloud.input_index = std::move(input_index);
+  cloud.index_before = {};
+  cloud.plane = {};
+  cloud.search = VoxelSearch(cloud.position, progress);
+  measure_neighbourhoods(cloud, neighbours, progress);
+  cloud.normal = std::move(normal);
 }
 
 }  // namespace shrinkwrap

@@ -33,10 +33,18 @@ struct DenoisingOptions {
 /// sample. Flat parts are smoothed over hundreds of samples, detail and edges over few.
 ///
 /// `noise`: of `estimate_noise`. `neighbours`: per sample, from then on. Pre: `orient_normals` was
-/// called on the cloud. Post: `is_denoised`; positions, their order, neighbours, spacing, normals
+/// called on the cloud. Post: `is_denoised()`; positions, their order, neighbours, spacing, normals
 /// and planes are new, the planes those of the quadrics; `input_index` tells whose they are. O(N),
 /// about 30 us a sample; the same for any number of threads. Throws Cancelled.
 void denoise(PointCloud& cloud, double noise, int neighbours, const DenoisingOptions& options,
              Progress& progress);
+
+/// Moves the samples of a denoised cloud back to where the caller had them (`points`), in their
+/// order of before. The normals stay those of the surface that the samples scatter about, which
+/// tell one side of a thin limb from the other where those of noisy samples do not; planes there
+/// are none. Neighbours and spacing are those of so many `neighbours` again. Pre:
+/// `is_denoised()`. O(N). Throws Cancelled.
+void undo_denoising(PointCloud& cloud, const std::vector<Vec3>& points, int neighbours,
+                    Progress& progress);
 
 }  // namespace shrinkwrap

@@ -8,13 +8,14 @@ namespace shrinkwrap {
 struct NoiseOptions {
   Index probes = 1024;  ///< samples that are looked at, evenly spread; fewer in small clouds
   /// Above this the surface through the samples is rough (x local spacing): measured 0.24 and more
-  /// on clouds with noise of 0.25 and more, 0.16 and less on clean ones.
+  /// on clouds with noise of 0.25 and more, 0.16 and less on clean ones. Meshes through such clouds
+  /// get a second attempt if they have faults (SmoothingReport).
   double high = 0.2;
   /// Of clouds above that, in place of the ratio of initial_mesh.h: voxels somewhat larger refute
   /// handles between noisy layers, which smaller ones show too. Half as large again refutes handles
   /// of three spacings.
   double second_voxel_ratio = 1.25;
-  /// If the parametric surface of a noisy cloud is the result, normals and voxels are made wider,
+  /// To smooth the parametric surface of a noisy cloud, normals and voxels are made wider,
   /// by one unit for every `smooth_unit` of the upper fifth beyond `smooth_from`, at most
   /// `most_units`.
   double smooth_from = 0.3;

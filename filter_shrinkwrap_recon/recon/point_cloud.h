@@ -47,9 +47,12 @@ class PointCloud {
   std::vector<Vec3f> normal;     ///< PCA of the k neighbours; sign arbitrary until `orient_normals`
   std::vector<float> deviation;  ///< of the k neighbours from their plane, root mean square
   std::vector<TangentPlane>
-      plane;                 ///< after `orient_normals`: Gaussian mean of the compatible neighbours
-  bool is_denoised = false;  ///< samples and planes are those of local quadrics (denoising.h)
+      plane;  ///< after `orient_normals`: Gaussian mean of the compatible neighbours
+  /// After `denoise`, of each sample: its index before. Empty where samples are where the caller
+  /// had them.
+  std::vector<Index> index_before;
 
+  bool is_denoised() const { return !index_before.empty(); }  ///< see denoising.h
   Index size() const { return static_cast<Index>(position.size()); }
   const Index* neighbours_of(Index sample) const {
     return neighbour.data() + static_cast<std::size_t>(sample) * neighbour_count;

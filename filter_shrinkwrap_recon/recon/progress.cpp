@@ -67,6 +67,11 @@ void Progress::set_range(double from, double to) {
   range_to_ = to;
 }
 
+void Progress::set_part(double from, double to) {
+  part_from_ = from;
+  part_to_ = to;
+}
+
 void Progress::update(double fraction_of_stage) {
   if (cancelled()) throw Cancelled();
   if (!callback_ || std::this_thread::get_id() != owner_) return;
@@ -80,7 +85,8 @@ void Progress::update(double fraction_of_stage) {
 }
 
 void Progress::call(double fraction) {
-  last_fraction_ = std::max(last_fraction_, std::min(fraction, 1.0));
+  const double of_run = part_from_ + (part_to_ - part_from_) * std::min(fraction, 1.0);
+  last_fraction_ = std::max(last_fraction_, of_run);
   if (!callback_(last_fraction_, stage_name(stage_))) {
     cancelled_.store(true, std::memory_order_relaxed);
     throw Cancelled();

@@ -118,6 +118,128 @@ void smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise, Reconstruct
   towards(options.parametric_surface.relaxation, kRelaxation);
 }
 
+// From the cloud to the parametric surface.
+SurfaceMesh make_surface(const PointCloud& cloud, const ReconstructionOptions& options,
+                         Reconstruction& result, StageLog& log, Progress& progress) {
+  SurfaceMesh mesh;
+  const auto in_input_frame = [&] { return to_result(mesh, cloud.frame); };
+  if (options.initial_mesh.start == InitialMeshOptions::Start::bounding_box)
+    log.add_layer("bounding box", [&] { return to_result(box_around(cloud), cloud.frame); });
+
+  InitialMesh initial = make_initial_mesh(cloud, options.initial_mesh, progress);
+  result.initial_mesh = initial.report;
+  mesh = std::move(initial.mesh);
+  round_to_host(mesh, cloud.frame, options.host_scalar);
+  log.add(Stage::initial_mesh, mesh.vertex_count(), in_input_frame);
+
+  mesh = make_control_mesh(std::move(mesh), cloud.size(), options.control_mesh, progress).mesh;
+  round_to_host(mesh, cloud.frame, options.host_scalar);
+  log.add(Stage::control_mesh, mesh.vertex_count(), in_input_frame);
+
+  ParametricSurface parametric =
+      make_parametric_surface(std::move(mesh), cloud, options.parametric_surface, progress);
+  result.parametric_surface = parametric.report;
+  mesh = std::move(parametric.mesh);
+  if (options.stop_at_parametric_surface && options.intersection_repair.enabled)
+    result.relaxation = relax_self_intersections(mesh, options.relaxation, progress);
+  round_to_host(mesh, cloud.frame, options.host_scalar);
+  log.add(Stage::parametric_surface, mesh.vertex_count(), in_input_frame);
+  return mesh;
+}
+
+// From the parametric surface to the mesh through every sample.
+void match(SurfaceMesh parametric, const PointCloud& cloud, const std::vector<Vec3>& points,
+           const ReconstructionOptions& options, Reconstruction& result, StageLog& log,
+           Progress& progress) {
+  const SurfaceMesh surface = options.keep_stages ? parametric : SurfaceMesh();
+  CompleteMatching matching =
+      match_samples(std::move(parametric), cloud, options.complete_matching, progress);
+  result.complete_matching = matching.report;
+  result.openings = decide_openings(matching, cloud, options.complete_matching, progress);
+  const auto distances = [&](const ResultMesh& stage) {
+    return distances_from_surface(stage, surface, cloud.frame, progress);
+  };
+  log.add(Stage::complete_matching, matching.mesh.vertex_count(), [&] {
+    ResultMesh stage = to_result(matching, cloud, points);
+    stage.vertex_quality = distances(stage);
+    stage.face_quality = spanning_lengths(stage, matching.spanning_faces, result.spacing);
+    return stage;
+  });
+
+  result.edge_optimisation =
+      optimise_edges(matching.mesh, options.edge_optimisation, progress, matching.spanning_faces);
+  if (options.intersection_repair.enabled) {
+    FinishReport finish = finish_matching(matching, cloud.size(), cloud.spacing,
+                                          options.intersection_repair, result.openings, progress);
+    result.intersection_repair = std::move(finish.repair);
+    result.complete_matching.extra_vertices -= finish.removed_extra;
+  }
+  result.mesh = to_result(matching, cloud, points);
+  drop_faces(result.mesh, matching.opening_faces);
+  std::vector<Index>& remaining = result.intersection_repair.remaining_faces;
+  remaining = indices_after_drop(remaining, matching.opening_faces);
+  result.mesh.face_quality = spanning_lengths(
+      result.mesh, indices_after_drop(matching.spanning_faces, matching.opening_faces),
+      result.spacing);
+  log.add(Stage::edge_optimisation, matching.mesh.vertex_count());
+  if (options.keep_stages) result.mesh.vertex_quality = distances(result.mesh);
+}
+
+// What nobody wants of a mesh through the samples: faces that meet others, vertices that are no
+// sample.
+Index faults_of(const Reconstruction& result) {
+  return static_cast<Index>(result.intersection_repair.remaining_faces.size()) +
+         result.complete_matching.extra_vertices;
+}
+
+// Takes the better of two attempts. The table tells the time that both took.
+void keep_better(Reconstruction& first, Reconstruction& second) {
+  first.smoothing = {true, false, faults_of(first), faults_of(second)};
+  first.smoothing.is_taken = first.smoothing.faults_with < first.smoothing.faults_without;
+  for (StageRecord& row : second.stages) {
+    const auto same =
+        std::find_if(first.stages.begin(), first.stages.end(),
+                     [&](const StageRecord& other) { return other.name == row.name; });
+    row.seconds += same->seconds;
+    if (first.smoothing.is_taken)
+      *same = std::move(row);
+    else
+      same->seconds = row.seconds;
+  }
+  if (!first.smoothing.is_taken) return;
+  second.stages = std::move(first.stages);
+  second.smoothing = first.smoothing;
+  first = std::move(second);
+}
+
+// Noise gives the surface handles and folds. Where that did harm, the samples are matched to a
+// surface that is smoothed for the noise, as a run does that stops there.
+void match_noisy(PointCloud& cloud, const std::vector<Vec3>& points, const NoiseEstimate& noise,
+                 ReconstructionOptions options, Reconstruction& result, Progress& progress) {
+  Reconstruction second = result;
+  second.stages.clear();
+  progress.set_part(0.0, 0.5);
+  {
+    StageLog log(result, options);
+    match(make_surface(cloud, options, result, log, progress), cloud, points, options, result, log,
+          progress);
+  }
+  if (faults_of(result) > 0) {
+    progress.set_part(0.5, 1.0);
+    StageLog log(second, options);
+    options.stop_at_parametric_surface = true;
+    options.parametric_surface.fine_enough = 0.0;
+    progress.begin(Stage::orientation);
+    smooth_for_noise(cloud, noise, options, second.orientation, progress);
+    log.add(Stage::orientation, cloud.size());
+    SurfaceMesh surface = make_surface(cloud, options, second, log, progress);
+    undo_denoising(cloud, points, options.samples.neighbours, progress);
+    match(std::move(surface), cloud, points, options, second, log, progress);
+    keep_better(result, second);
+  }
+  progress.set_part(0.0, 1.0);
+}
+
 Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions options,
                    Progress& progress) {
   Reconstruction result;
@@ -137,74 +259,20 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
 
   const CloudReport samples = orient_and_smooth(cloud, options, progress);
   result.orientation = samples.orientation;
-  result.noise = samples.noise;
+  result.noise = samples.noise.median;
   log.add(Stage::orientation, cloud.size());
 
-  SurfaceMesh mesh;
-  const auto in_input_frame = [&] { return to_result(mesh, cloud.frame); };
-  if (options.initial_mesh.start == InitialMeshOptions::Start::bounding_box)
-    log.add_layer("bounding box", [&] { return to_result(box_around(cloud), cloud.frame); });
-  {
-    InitialMesh initial = make_initial_mesh(cloud, options.initial_mesh, progress);
-    result.initial_mesh = initial.report;
-    mesh = std::move(initial.mesh);
-    round_to_host(mesh, cloud.frame, options.host_scalar);
-    log.add(Stage::initial_mesh, mesh.vertex_count(), in_input_frame);
-  }
-  {
-    ControlMesh control =
-        make_control_mesh(std::move(mesh), cloud.size(), options.control_mesh, progress);
-    mesh = std::move(control.mesh);
-    round_to_host(mesh, cloud.frame, options.host_scalar);
-    log.add(Stage::control_mesh, mesh.vertex_count(), in_input_frame);
-  }
-  {
-    ParametricSurface parametric =
-        make_parametric_surface(std::move(mesh), cloud, options.parametric_surface, progress);
-    result.parametric_surface = parametric.report;
-    mesh = std::move(parametric.mesh);
-    if (options.stop_at_parametric_surface && options.intersection_repair.enabled)
-      result.relaxation = relax_self_intersections(mesh, options.relaxation, progress);
-    round_to_host(mesh, cloud.frame, options.host_scalar);
-    log.add(Stage::parametric_surface, mesh.vertex_count(), in_input_frame);
-  }
-  bool is_counted = false;  // self-intersections of the mesh as it is
-  if (options.stop_at_parametric_surface) {
-    result.mesh = in_input_frame();
+  const bool is_noisy = options.initial_mesh.start == InitialMeshOptions::Start::winding_number &&
+                        options.intersection_repair.enabled &&
+                        samples.noise.median > std::max(options.noise.high, options.denoising.from);
+  if (is_noisy && !options.stop_at_parametric_surface) {
+    match_noisy(cloud, points, samples.noise, options, result, progress);
   } else {
-    const SurfaceMesh surface = options.keep_stages ? mesh : SurfaceMesh();
-    CompleteMatching matching =
-        match_samples(std::move(mesh), cloud, options.complete_matching, progress);
-    result.complete_matching = matching.report;
-    result.openings = decide_openings(matching, cloud, options.complete_matching, progress);
-    const auto distances = [&](const ResultMesh& stage) {
-      return distances_from_surface(stage, surface, cloud.frame, progress);
-    };
-    log.add(Stage::complete_matching, matching.mesh.vertex_count(), [&] {
-      ResultMesh stage = to_result(matching, cloud, points);
-      stage.vertex_quality = distances(stage);
-      stage.face_quality = spanning_lengths(stage, matching.spanning_faces, result.spacing);
-      return stage;
-    });
-
-    result.edge_optimisation =
-        optimise_edges(matching.mesh, options.edge_optimisation, progress, matching.spanning_faces);
-    if (options.intersection_repair.enabled) {
-      FinishReport finish = finish_matching(matching, cloud.size(), cloud.spacing,
-                                            options.intersection_repair, result.openings, progress);
-      result.intersection_repair = std::move(finish.repair);
-      result.complete_matching.extra_vertices -= finish.removed_extra;
-    }
-    is_counted = options.intersection_repair.enabled && matching.opening_faces.empty();
-    result.mesh = to_result(matching, cloud, points);
-    drop_faces(result.mesh, matching.opening_faces);
-    std::vector<Index>& remaining = result.intersection_repair.remaining_faces;
-    remaining = indices_after_drop(remaining, matching.opening_faces);
-    result.mesh.face_quality = spanning_lengths(
-        result.mesh, indices_after_drop(matching.spanning_faces, matching.opening_faces),
-        result.spacing);
-    log.add(Stage::edge_optimisation, matching.mesh.vertex_count());
-    if (options.keep_stages) result.mesh.vertex_quality = distances(result.mesh);
+    SurfaceMesh surface = make_surface(cloud, options, result, log, progress);
+    if (options.stop_at_parametric_surface)
+      result.mesh = to_result(surface, cloud.frame);
+    else
+      match(std::move(surface), cloud, points, options, result, log, progress);
   }
 
   progress.begin(Stage::report);
@@ -213,6 +281,9 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
                                      : points_at(points, cloud.input_index);
   cloud = PointCloud();
   MeshReportOptions report_options = options.report;
+  // The repair has counted the self-intersections of the mesh as it is, if no face was dropped.
+  const bool is_counted = !options.stop_at_parametric_surface &&
+                          options.intersection_repair.enabled && result.openings.left_open == 0;
   if (is_counted) report_options.count_self_intersections = false;
   result.report = measure_mesh(result.mesh.position, result.mesh.triangles,
                                kept.empty() ? points : kept, report_options, progress);
@@ -241,15 +312,14 @@ CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
                               Progress& progress) {
   CloudReport report;
   report.orientation = orient_normals(cloud, options.orientation, progress);
-  const NoiseEstimate noise = estimate_noise(cloud, options.noise, progress);
-  report.noise = noise.median;
-  if (noise.median > options.noise.high && options.initial_mesh.second_voxel_ratio > 0.0)
+  report.noise = estimate_noise(cloud, options.noise, progress);
+  if (report.noise.median > options.noise.high && options.initial_mesh.second_voxel_ratio > 0.0)
     options.initial_mesh.second_voxel_ratio = options.noise.second_voxel_ratio;
   if (!options.stop_at_parametric_surface) return report;
   options.parametric_surface.fine_enough = 0.0;
   const bool is_robust = options.initial_mesh.start == InitialMeshOptions::Start::winding_number;
-  if (is_robust && noise.median > options.denoising.from)
-    smooth_for_noise(cloud, noise, options, report.orientation, progress);
+  if (is_robust && report.noise.median > options.denoising.from)
+    smooth_for_noise(cloud, report.noise, options, report.orientation, progress);
   return report;
 }
 

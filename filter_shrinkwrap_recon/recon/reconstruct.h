@@ -60,6 +60,14 @@ struct StageRecord {
   ResultMesh mesh;  ///< only if keep_stages
 };
 
+/// A noisy cloud whose mesh has faults - faces that meet others, vertices that are no sample - is
+/// matched once more, to a parametric surface that is smoothed for the noise.
+struct SmoothingReport {
+  bool is_tried = false;
+  bool is_taken = false;  ///< the mesh is that of the second attempt, which has fewer faults
+  Index faults_without = 0, faults_with = 0;
+};
+
 struct Reconstruction {
   /// Faces that span an opening carry their longest edge (x spacing) as quality, others 0; none has
   /// a quality if none spans. Vertex i is the i-th distinct sample that is no outlier, in the
@@ -77,11 +85,15 @@ struct Reconstruction {
   EdgeOptimisationReport edge_optimisation;
   RepairReport intersection_repair;  ///< `remaining_faces` are faces of `mesh`
   RelaxationReport relaxation;       ///< of a run that stops at the parametric surface
+  SmoothingReport smoothing;         ///< of a run that does not stop there
   MeshReport report;
   double spacing = 0.0;  ///< median sample spacing, input length
 };
 
-/// Runs every stage and checks the promise. Throws InvalidInput, Cancelled or ReconstructionFailed,
+/// Runs every stage and checks the promise. Noise gives a surface through the samples handles and
+/// folds: samples that are put back onto a surface that was smoothed for it stand side by side,
+/// and the mesh has the topology of the object. So noisy clouds (NoiseOptions::high) may get a
+/// second attempt (see SmoothingReport). Throws InvalidInput, Cancelled or ReconstructionFailed,
 /// and then nothing was made. The same input and options give the same bytes, whatever the number
 /// of threads.
 Reconstruction reconstruct(const std::vector<Vec3>& points, const ReconstructionOptions& options,
@@ -89,7 +101,7 @@ Reconstruction reconstruct(const std::vector<Vec3>& points, const Reconstruction
 
 struct CloudReport {
   OrientationReport orientation;
-  double noise = 0.0;  ///< of the samples, x spacing
+  NoiseEstimate noise;
 };
 
 /// Orients the normals and estimates the noise. Above `options.noise.high` handles are to be
@@ -97,8 +109,9 @@ struct CloudReport {
 /// than `options.denoising.from`, then the samples are moved onto the surface that they scatter
 /// about, with normals of neighbourhoods that are the wider the noisier the samples are, and
 /// `options` of the later stages are changed to suit (larger voxels; see NoiseOptions). A chain of
-/// stages gives the same as `reconstruct` if each begins with this. Pre: the cloud was prepared
-/// with `options.samples`.
+/// stages gives the same as `reconstruct` if each that needs normals begins with this; if the
+/// smoothed surface is taken (see SmoothingReport), with `stop_at_parametric_surface` set, and the
+/// matching then goes on with `undo_denoising`. Pre: the cloud was prepared with `options.samples`.
 CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
                               Progress& progress);
 

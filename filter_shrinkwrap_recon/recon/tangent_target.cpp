@@ -35,7 +35,7 @@ TangentTarget::Target TangentTarget::find(const Vec3& query, const Vec3& normal,
   const int count =
       std::clamp(options_.rim_neighbours, 1, std::min(kMostNeighbours, cloud_.neighbour_count));
   const int planes =
-      std::clamp(cloud_.is_denoised ? options_.quadric_planes : options_.planes, 1, count);
+      std::clamp(cloud_.is_denoised() ? options_.quadric_planes : options_.planes, 1, count);
   Vec3f offset[kMostNeighbours];
   float squared_distance[kMostNeighbours];
   float plane_reach = 0.0f, rim_reach = 0.0f;
@@ -68,7 +68,7 @@ TangentTarget::Target TangentTarget::find(const Vec3& query, const Vec3& normal,
     target.is_membrane = true;
     return target;
   }
-  if (cloud_.is_denoised) {
+  if (cloud_.is_denoised()) {
     // A tangent plane lies outside of what is convex, by half of what the normal turns on the way;
     // with the mean of the normals at either end it meets any quadric.
     plane_normal.normalize();
