@@ -1,7 +1,8 @@
 #include "finish_matching.h"
 
+#include <utility>
+
 #include "close_openings.h"
-#include "self_intersection.h"
 
 namespace shrinkwrap {
 
@@ -15,12 +16,16 @@ FinishReport finish_matching(CompleteMatching& matching, Index samples, double s
   report.removed_extra = close_openings(matching, samples, progress);
   if (report.removed_extra == 0) return report;
   openings.longest_edge = longest_spanning_edge(matching) / spacing;
-  if (repair.faces_after > 0) {
-    // What was closed met nothing, but faces that did may have gone, and all have other indices.
-    repair.remaining_faces =
-        self_intersecting_faces(matching.mesh.position, matching.mesh.triangles(), progress);
-    repair.faces_after = static_cast<Index>(repair.remaining_faces.size());
-  }
+  if (repair.faces_after == 0) return report;
+  // Without those vertices, flips may part what is left; and all faces have other indices.
+  RepairReport again =
+      repair_self_intersections(matching.mesh, options, progress, matching.opening_faces);
+  repair.after = again.after;
+  repair.faces_after = again.faces_after;
+  repair.remaining_faces = std::move(again.remaining_faces);
+  repair.flips += again.flips;
+  repair.rounds += again.rounds;
+  repair.tests += again.tests;
   return report;
 }
 

@@ -15,7 +15,8 @@ struct FinishReport {
 
 /// Repairs self-intersections (faces that stay open left alone). Around an opening the faces of the
 /// complete matching may cut where what spans it belongs, and then vertices that are no samples
-/// stay: once the faces are parted, these are removed as close_openings does it. `matching` and
+/// stay: once the faces are parted, these are removed as close_openings does it, and where faces
+/// still meet, they are parted again. `matching` and
 /// `openings` (the longest edge) are brought up to date. Pre: vertex i below `samples` is sample i,
 /// or nothing spans an opening. Post: closed 2-manifold of the same topology.
 FinishReport finish_matching(CompleteMatching& matching, Index samples, double spacing,
