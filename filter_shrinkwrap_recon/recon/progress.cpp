@@ -67,9 +67,9 @@ void Progress::set_range(double from, double to) {
   range_to_ = to;
 }
 
-void Progress::set_part(double from, double to) {
-  part_from_ = from;
-  part_to_ = to;
+void Progress::set_attempt(double from, double to) {
+  attempt_from_ = from;
+  attempt_to_ = to;
 }
 
 void Progress::update(double fraction_of_stage) {
@@ -85,7 +85,7 @@ void Progress::update(double fraction_of_stage) {
 }
 
 void Progress::call(double fraction) {
-  const double of_run = part_from_ + (part_to_ - part_from_) * std::min(fraction, 1.0);
+  const double of_run = attempt_from_ + (attempt_to_ - attempt_from_) * std::min(fraction, 1.0);
   last_fraction_ = std::max(last_fraction_, of_run);
   if (!callback_(last_fraction_, stage_name(stage_))) {
     cancelled_.store(true, std::memory_order_relaxed);

@@ -54,7 +54,7 @@ class Progress {
   /// nest.
   void set_range(double from, double to);
   /// Maps the whole run, from here on, to [from, to] of it: for one that may have to begin again.
-  void set_part(double from, double to);
+  void set_attempt(double from, double to);
   /// True once the callback has asked to stop.
   bool cancelled() const { return cancelled_.load(std::memory_order_relaxed); }
 
@@ -67,7 +67,7 @@ class Progress {
   double stage_weight_[kStageCount] = {};
   Stage stage_ = Stage::samples;
   double range_from_ = 0.0, range_to_ = 1.0;
-  double part_from_ = 0.0, part_to_ = 1.0;
+  double attempt_from_ = 0.0, attempt_to_ = 1.0;
   double last_fraction_ = 0.0;
   std::chrono::steady_clock::time_point last_call_{};
   std::atomic<bool> cancelled_{false};

@@ -218,14 +218,14 @@ void match_noisy(PointCloud& cloud, const std::vector<Vec3>& points, const Noise
                  ReconstructionOptions options, Reconstruction& result, Progress& progress) {
   Reconstruction second = result;
   second.stages.clear();
-  progress.set_part(0.0, 0.5);
+  progress.set_attempt(0.0, 0.5);
   {
     StageLog log(result, options);
     match(make_surface(cloud, options, result, log, progress), cloud, points, options, result, log,
           progress);
   }
   if (faults_of(result) > 0) {
-    progress.set_part(0.5, 1.0);
+    progress.set_attempt(0.5, 1.0);
     StageLog log(second, options);
     options.stop_at_parametric_surface = true;
     options.parametric_surface.fine_enough = 0.0;
@@ -237,7 +237,7 @@ void match_noisy(PointCloud& cloud, const std::vector<Vec3>& points, const Noise
     match(std::move(surface), cloud, points, options, second, log, progress);
     keep_better(result, second);
   }
-  progress.set_part(0.0, 1.0);
+  progress.set_attempt(0.0, 1.0);
 }
 
 Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions options,
