@@ -116,10 +116,16 @@ void warn_of(const OrientationReport& report, std::vector<std::string>& warnings
         " of the cloud cannot be seen from outside: which side of them is outside is a guess.");
 }
 
-// Offers what suits noisy samples better.
-void tell_of_noise(double noise, const ReconstructionOptions& options, FilterOutcome& outcome) {
+// What was done about the noise, and what suits noisy samples better.
+void tell_of_noise(double noise, const DenoisingReport& denoising,
+                   const ReconstructionOptions& options, FilterOutcome& outcome) {
   outcome.figures["noise"] = noise;
   outcome.log.push_back("noise of the samples: about " + formatted("%.2f", noise) + " spacings");
+  if (denoising.moved > 0)
+    outcome.log.push_back("noise smoothed: " + count_of(denoising.moved, "sample") + " moved by " +
+                          formatted("%.2f", denoising.mean_displacement) +
+                          " spacings in the mean, " +
+                          formatted("%.2f", denoising.max_displacement) + " at most");
   if (noise > options.noise.high && !options.stop_at_parametric_surface)
     outcome.warnings.push_back(
         "The samples are noisy, by about " + formatted("%.2f", noise) +
@@ -257,7 +263,7 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   FilterOutcome outcome;
   outcome.figures = figures_of(result.report);
   outcome.log.push_back(conditioning_line(result.conditioning, result.spacing));
-  tell_of_noise(result.noise, request.options, outcome);
+  tell_of_noise(result.noise, result.denoising, request.options, outcome);
   double total = 0.0;
   for (const StageRecord& stage : result.stages) {
     outcome.log.push_back(table_row(stage.name, stage.vertices, stage.seconds));
@@ -306,7 +312,7 @@ FilterOutcome run_initial_mesh(const FilterRequest& request, const FilterInput& 
   PointCloud cloud = prepare(input, options, progress, outcome);
   const CloudReport samples = orient_and_smooth(cloud, options, progress);
   warn_of(samples.orientation, outcome.warnings);
-  tell_of_noise(samples.noise.median, options, outcome);
+  tell_of_noise(samples.noise.median, samples.denoising, options, outcome);
   const InitialMesh initial = make_initial_mesh(cloud, options.initial_mesh, progress);
   warn_of(initial.report, outcome.warnings);
   outcome.log.push_back(surface_verdict("initial mesh", initial.mesh));
@@ -334,16 +340,15 @@ FilterOutcome run_parametric_surface(const FilterRequest& request, const FilterI
   FilterOutcome outcome;
   ReconstructionOptions options = request.options;
   PointCloud cloud = prepare(input, options, progress, outcome);
-  warn_of(orient_and_smooth(cloud, options, progress).orientation, outcome.warnings);
-  ParametricSurface surface = make_parametric_surface(closed_surface(input.mesh, cloud.frame),
-                                                      cloud, options.parametric_surface, progress);
-  if (options.stop_at_parametric_surface) {
-    RelaxationReport relaxation =
-        relax_self_intersections(surface.mesh, options.relaxation, progress);
-    if (relaxation.faces_before > 0) outcome.log.push_back(relaxation_line(relaxation));
-    warn_of_intersections(relaxation.faces_after, outcome.warnings);
-    outcome.marked_faces = std::move(relaxation.remaining_faces);
-  }
+  options.host_scalar = host_scalar_for(input.points, options);
+  const CloudReport samples = orient_and_smooth(cloud, options, progress);
+  warn_of(samples.orientation, outcome.warnings);
+  tell_of_noise(samples.noise.median, samples.denoising, options, outcome);
+  auto [surface, relaxation] =
+      fit_surface(closed_surface(input.mesh, cloud.frame), cloud, options, progress);
+  if (relaxation.faces_before > 0) outcome.log.push_back(relaxation_line(relaxation));
+  warn_of_intersections(relaxation.faces_after, outcome.warnings);
+  outcome.marked_faces = std::move(relaxation.remaining_faces);
   outcome.log.push_back("distance of the vertices from the samples' surface: mean " +
                         formatted("%.3f", surface.report.mean_distance) + ", greatest " +
                         formatted("%.3f", surface.report.max_distance) + " spacings");

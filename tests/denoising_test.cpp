@@ -4,10 +4,12 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <map>
 #include <numeric>
+#include <string>
 
 #include "noise.h"
 #include "orientation.h"
@@ -86,10 +88,11 @@ TEST(Denoising, LeavesDetailWhereItIs) {
 
   const std::vector<Vec3> rough = noisy(ShapeKind::box, 6000, 2, 0.25);
   DenoisingOptions careless;
-  careless.confidence = careless.misfit = 1e6;
+  careless.misfit = 1e6;
+  careless.alike = 1.0;
   careless.least_cosine = 0.0;
   const double careful_error = errors_of(denoised(rough), box, spacing).size;
-  EXPECT_LT(careful_error, 0.6 * errors_of(denoised(rough, careless), box, spacing).size);
+  EXPECT_LT(careful_error, 0.75 * errors_of(denoised(rough, careless), box, spacing).size);
 }
 
 TEST(Denoising, TellsWhoseTheSamplesAre) {
@@ -128,6 +131,70 @@ TEST(Denoising, IsUndone) {
     EXPECT_EQ(cloud.normal[i], normal_of[cloud.input_index[i]]);
 }
 
+TEST(Denoising, TellsHowFarTheSamplesWent) {
+  const std::vector<Vec3> points = noisy(ShapeKind::sphere, 3000, 3, 0.5);
+  Progress silent;
+  PointCloud cloud = oriented(points);
+  const double spacing = cloud.frame.to_input_length(cloud.spacing);
+  const DenoisingReport report = denoise(cloud, 0.5, 16, {}, silent);
+  Index moved = 0;
+  double sum = 0.0, greatest = 0.0;
+  for (Index i = 0; i < cloud.size(); ++i) {
+    const Vec3 step = cloud.frame.to_input(cloud.position[i]) - points[cloud.input_index[i]];
+    const double distance = step.norm() / spacing;
+    moved += distance > 1e-9 ? 1 : 0;
+    sum += distance;
+    greatest = std::max(greatest, distance);
+  }
+  EXPECT_EQ(report.moved, moved);
+  EXPECT_NEAR(report.mean_displacement, sum / cloud.size(), 1e-6);
+  EXPECT_NEAR(report.max_displacement, greatest, 1e-6);
+  EXPECT_NEAR(report.mean_displacement, 0.8 * 0.5, 0.1) << "what gaussian noise has in the mean";
+}
+
+TEST(Denoising, CancelledLeavesTheCloudAsItWas) {
+  const PointCloud before = oriented(noisy(ShapeKind::blob, 12000, 8, 0.3));
+  int cancelled = 0;
+  for (const double from : {0.0, 0.3, 0.6, 0.8, 0.9}) {
+    PointCloud cloud = before;
+    bool is_armed = false;
+    Progress progress([&](double fraction, const char*) { return !is_armed || fraction < from; },
+                      {Stage::orientation});
+    progress.begin(Stage::orientation);
+    is_armed = true;
+    try {
+      denoise(cloud, 0.3, 16, {}, progress);
+    } catch (const Cancelled&) {
+      ++cancelled;
+      EXPECT_FALSE(cloud.is_denoised());
+      EXPECT_EQ(cloud.position, before.position);
+      EXPECT_EQ(cloud.normal, before.normal);
+      EXPECT_EQ(cloud.neighbour, before.neighbour);
+      EXPECT_EQ(cloud.input_index, before.input_index);
+    }
+  }
+  EXPECT_GE(cancelled, 1);
+}
+
+TEST(Denoising, HasAShareOfItsOwnInTheProgress) {
+  const std::vector<Vec3> points = noisy(ShapeKind::torus, 8000, 9, 0.6);
+  ReconstructionOptions options;
+  options.stop_at_parametric_surface = true;
+  std::vector<double> fractions;
+  Progress progress(
+      [&](double fraction, const char* stage) {
+        if (stage == std::string("orientation")) fractions.push_back(fraction);
+        return true;
+      },
+      {Stage::orientation});
+  PointCloud cloud = oriented(points);
+  EXPECT_GT(orient_and_smooth(cloud, options, progress).denoising.moved, 7000);
+  ASSERT_GE(fractions.size(), 2u);
+  EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
+  const auto within_the_second_half = [](double f) { return f >= 0.45 && f < 0.99; };
+  EXPECT_TRUE(std::any_of(fractions.begin(), fractions.end(), within_the_second_half));
+}
+
 TEST(Denoising, ThreadsDoNotMatter) {
   const std::vector<Vec3> points = noisy(ShapeKind::double_torus, 5000, 4, 0.4);
   const auto with_threads = [&](int threads) {
@@ -138,6 +205,49 @@ TEST(Denoising, ThreadsDoNotMatter) {
   EXPECT_EQ(
       0, std::memcmp(one.position.data(), two.position.data(), one.position.size() * sizeof(Vec3)));
   EXPECT_EQ(one.input_index, two.input_index);
+  EXPECT_EQ(one.normal, two.normal);
+  EXPECT_EQ(one.neighbour, two.neighbour);
+  for (Index i = 0; i < one.size(); ++i) {
+    ASSERT_EQ(one.plane[i].point, two.plane[i].point);
+    ASSERT_EQ(one.plane[i].normal, two.plane[i].normal);
+  }
+}
+
+// What the smallest neighbourhoods leave of the noise on a plane, and what wide ones would lose of
+// waves beside it.
+TEST(Denoising, KeepsDetailThatIsMoreThanNoise) {
+  std::vector<Vec3> points;
+  Random random(10);
+  constexpr int kSide = 80;  // of a slab with waves on one half of its top
+  const double noise = 0.25, wave = 10.0, height = 0.5;
+  const auto top = [&](double x) {
+    return x < kSide / 2.0 ? 0.0 : height * std::sin(2.0 * 3.14159265358979 * x / wave);
+  };
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const double x = kSide * random.uniform(), y = kSide * random.uniform();
+    points.emplace_back(x, y, top(x) + noise * random.gaussian());
+    points.emplace_back(kSide * random.uniform(), kSide * random.uniform(),
+                        -20.0 + noise * random.gaussian());
+  }
+  const auto errors = [&](const PointCloud& cloud) {
+    std::array<double, 2> sum{}, count{};  // on the plane, on the waves
+    for (Index i = 0; i < cloud.size(); ++i) {
+      const Vec3 p = cloud.frame.to_input(cloud.position[i]);
+      const auto margin = [](double from_border) { return from_border < 8.0; };
+      if (p.z() < -10.0 || margin(p.y()) || margin(kSide - p.y()) || margin(p.x()) ||
+          margin(kSide - p.x()) || margin(std::abs(p.x() - kSide / 2.0)))
+        continue;
+      const std::size_t half = p.x() < kSide / 2.0 ? 0 : 1;
+      sum[half] += std::abs(p.z() - top(p.x()));
+      count[half] += 1.0;
+    }
+    return std::array<double, 2>{sum[0] / count[0], sum[1] / count[1]};
+  };
+  DenoisingOptions smallest;
+  smallest.sizes = 1;
+  const auto is = errors(denoised(points)), rough = errors(denoised(points, smallest));
+  EXPECT_LT(is[0], 0.5 * rough[0]) << "on the plane";
+  EXPECT_LT(is[1], 0.9 * rough[1]) << "on the waves";
 }
 
 // The targets of vertices between denoised samples are on the sphere too: tangent planes are not.
@@ -172,6 +282,14 @@ TEST(Denoising, FewSamplesStayWhereTheyAre) {
   for (Index i = 0; i < cloud.size(); ++i)
     EXPECT_NEAR((cloud.frame.to_input(cloud.position[i]) - points[cloud.input_index[i]]).norm(),
                 0.0, 1e-6);
+}
+
+// Their spacing is zero in single precision.
+TEST(Denoising, SamplesMayBeAsNearAsDoublesCanBe) {
+  std::vector<Vec3> points = noisy(ShapeKind::sphere, 500, 11, 0.3);
+  for (int i = 0; i < 400; ++i) points.emplace_back(i * 1e-70, (i % 7) * 1e-70, (i % 3) * 1e-70);
+  const PointCloud cloud = denoised(points);
+  for (const Vec3& p : cloud.position) EXPECT_TRUE(p.allFinite());
 }
 
 Reconstruction reconstruct_with(const std::vector<Vec3>& points,

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -122,19 +123,37 @@ TEST(FilterRuns, ChainToTheSurfaceOfANoisyCloudGivesTheBytesOfTheOneShot) {
   EXPECT_NE(one_shot.mesh.position, run(Filter::parametric_surface, control).mesh.position);
 }
 
+bool is_told(const FilterOutcome& outcome, const std::string& what) {
+  return std::any_of(outcome.log.begin(), outcome.log.end(),
+                     [&](const std::string& line) { return line.find(what) != std::string::npos; });
+}
+
 TEST(FilterRuns, ChainThroughTheSamplesOfANoisyCloudGivesTheBytesOfTheOneShot) {
   SampleDefects defects;
   defects.noise = 1.0;
   FilterInput input;
   input.points = in_single_precision(sample_shape(ShapeKind::double_torus, 2500, 3, defects));
   const FilterOutcome one_shot = run(Filter::reconstruct, input);
-  const auto is_said = [&](const char* words) {
-    return std::any_of(one_shot.log.begin(), one_shot.log.end(), [&](const std::string& line) {
-      return line.find(words) != std::string::npos;
-    });
-  };
-  ASSERT_TRUE(is_said("was smoothed for it"));
+  ASSERT_TRUE(is_told(one_shot, "was smoothed for it"));
   expect_same_bytes(one_shot.mesh, run_chain(input.points, {{"SmoothForNoise", 1}}).mesh);
+}
+
+TEST(FilterRuns, NoiseAndWhatWasSmoothedAreTold) {
+  SampleDefects defects;
+  defects.noise = 0.6;
+  FilterInput input;
+  input.points = in_single_precision(sample_shape(ShapeKind::torus, 2500, 3, defects));
+  const ParameterValues stop = {{"StopAtParametricSurface", 1}}, smooth = {{"SmoothForNoise", 1}};
+  const FilterOutcome initial = run(Filter::initial_mesh, input, smooth);
+  const FilterInput control =
+      through_layer(input.points, run(Filter::control_mesh, through_layer(input.points, initial)));
+  for (const FilterOutcome& outcome : {run(Filter::reconstruct, input, stop), initial,
+                                       run(Filter::parametric_surface, control, smooth)}) {
+    EXPECT_GT(std::get<double>(outcome.figures.at("noise")), 0.4);
+    EXPECT_TRUE(is_told(outcome, "noise of the samples")) << outcome.layer_suffix;
+    EXPECT_TRUE(is_told(outcome, "noise smoothed: 2500 samples moved")) << outcome.layer_suffix;
+  }
+  EXPECT_FALSE(is_told(run(Filter::reconstruct, input), "noise smoothed"));
 }
 
 TEST(FilterRuns, KeptStagesAreThoseOfTheChain) {

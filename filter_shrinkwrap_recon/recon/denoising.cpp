@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+#include <cstddef>
 
 #include "morton.h"
 #include "parallel.h"
@@ -16,7 +16,7 @@ namespace {
 constexpr Index kGrain = 1 << 7;
 constexpr int kCoefficients = 6;  // of a quadratic height field: 1, u, v, u^2, u v, v^2
 constexpr int kPowers = 15;       // u^a v^b up to the fourth degree
-constexpr int kChecked = 3;       // height and slopes
+constexpr int kKept = 3;          // height and slopes
 constexpr int kMostSizes = 8;
 constexpr int kLeastSamples = 2 * kCoefficients;
 // Neighbourhoods are bounded, so that no sample looks at all the others: their radius does not grow
@@ -24,9 +24,15 @@ constexpr int kLeastSamples = 2 * kCoefficients;
 constexpr double kGreatestNoise = 1.0, kGreatestSpacing = 4.0;
 // Variances of height and slopes for noise of 1, of a fit that says nothing (samples in a line).
 constexpr double kGreatestVariance = 4.0;
-constexpr int kPooled = 16;  // neighbours whose residuals make the noise around a sample
+constexpr int kPooled = 16;  // neighbours over which residuals and energies are averaged ...
+constexpr int kRounds = 3;   // ... the latter so many times in turn: over some 50 samples
+// Where there is much detail most residuals are too large: this part of the samples has less noise
+// than is taken for typical.
+constexpr double kTypical = 0.3;
+constexpr double kLeastVariance = 1e-12;  // of the noise, in squared local spacings
 
 using Coefficients = Eigen::Matrix<double, kCoefficients, 1>;
+using Kept = Eigen::Matrix<double, kKept, 1>;
 using NormalEquations = Eigen::Matrix<double, kCoefficients, kCoefficients>;
 
 // Sums over a neighbourhood, of which its quadric follows.
@@ -67,7 +73,7 @@ struct Moments {
 // The quadric of a neighbourhood.
 struct Quadric {
   Coefficients coefficient;
-  Coefficients variance;          // of the first kChecked coefficients, for noise of 1
+  Kept variance;                  // of the first coefficients, for noise of 1
   double squared_residual = 0.0;  // mean, freed of the bias of the fit
   bool is_valid = false;
 
@@ -75,37 +81,37 @@ struct Quadric {
     if (moments.count() < kLeastSamples) return;
     const Eigen::LDLT<NormalEquations> solver(moments.matrix());
     coefficient = solver.solve(moments.height);
-    for (int c = 0; c < kChecked; ++c) {
+    for (int c = 0; c < kKept; ++c) {
       const Coefficients column = solver.solve(Coefficients::Unit(c));
       variance[c] = std::max(column[c], 0.0);
     }
     squared_residual =
         std::max(moments.squares - coefficient.dot(moments.height), 0.0) / moments.freedom();
-    is_valid = coefficient.allFinite() && variance.head<kChecked>().maxCoeff() <= kGreatestVariance;
+    is_valid = coefficient.allFinite() && variance.maxCoeff() <= kGreatestVariance;
   }
 };
 
-// What all neighbourhoods so far agree on.
-class Agreement {
- public:
-  Agreement() {
-    low_.fill(-std::numeric_limits<double>::infinity());
-    high_.fill(std::numeric_limits<double>::infinity());
-  }
-  // Narrows the intervals; false if one is empty then.
-  bool add(const Quadric& quadric, double margin) {
-    bool agree = true;
-    for (int c = 0; c < kChecked; ++c) {
-      const double half = margin * std::sqrt(quadric.variance[c]);
-      low_[c] = std::max(low_[c], quadric.coefficient[c] - half);
-      high_[c] = std::min(high_[c], quadric.coefficient[c] + half);
-      agree = agree && low_[c] <= high_[c];
-    }
-    return agree;
-  }
+// What a quadric says of the surface at its sample, in its axes and local spacings; or how that
+// changes from one size of neighbourhood to the next.
+struct Shape {
+  float height = 0.0f, u = 0.0f, v = 0.0f;  // the slopes along u and v
 
- private:
-  Eigen::Array<double, kChecked, 1> low_, high_;
+  friend Shape operator-(const Shape& a, const Shape& b) {
+    return {a.height - b.height, a.u - b.u, a.v - b.v};
+  }
+};
+
+// Squares of such a change over what noise alone explains. Negative: there is none.
+struct Energy {
+  float height = -1.0f, slope = -1.0f;
+
+  bool is_known() const { return height >= 0.0f; }
+};
+
+// Where a sample goes.
+struct Place {
+  Vec3 position;
+  Vec3f normal;
 };
 
 class Denoiser {
@@ -121,16 +127,23 @@ class Denoiser {
   }
 
   // Where the surface passes each sample.
-  std::vector<TangentPlane> planes(Progress& progress) const {
-    std::vector<float> residual(cloud_.position.size());
-    progress.set_range(0.0, 0.2);
-    parallel_for_each(cloud_.size(), kGrain, progress,
-                      [&](Index i) { residual[i] = residual_at(i); });
-    std::vector<TangentPlane> planes(cloud_.position.size());
-    progress.set_range(0.2, 0.8);
-    parallel_for_each(cloud_.size(), kGrain, progress,
-                      [&](Index i) { planes[i] = plane_at(i, pooled(residual, i)); });
-    return planes;
+  std::vector<Place> places(Progress& progress) {
+    measure_noise(progress);
+    measure_shapes(progress);
+    for (int size = 0; size + 1 < sizes_; ++size) {
+      progress.set_range(0.7 + 0.1 * size / sizes_, 0.7 + 0.1 * (size + 1) / sizes_);
+      add_detail(size, progress);
+    }
+    std::vector<Place> places(cloud_.position.size());
+    parallel_for_each(cloud_.size(), kGrain, progress, [&](Index i) {
+      const Axes axes = axes_at(i);
+      const Shape& shape = shape_[i];
+      places[i] = {axes.origin + shape.height / axes.scale * axes.normal, cloud_.normal[i]};
+      if (shape.u != 0.0f || shape.v != 0.0f)
+        places[i].normal =
+            (axes.normal - shape.u * axes.u - shape.v * axes.v).normalized().cast<float>();
+    });
+    return places;
   }
 
  private:
@@ -139,11 +152,12 @@ class Denoiser {
     Vec3 origin, normal, u, v;
     double scale;
   };
+  double scale_at(Index sample) const {
+    return 1.0 / std::min<double>(cloud_.local_spacing[sample], kGreatestSpacing * cloud_.spacing);
+  }
   Axes axes_at(Index sample) const {
     const Vec3 normal = cloud_.normal[sample].cast<double>(), u = normal.unitOrthogonal();
-    return {
-        cloud_.position[sample], normal, u, normal.cross(u),
-        1.0 / std::min<double>(cloud_.local_spacing[sample], kGreatestSpacing * cloud_.spacing)};
+    return {cloud_.position[sample], normal, u, normal.cross(u), scale_at(sample)};
   }
 
   // The samples around one, by the smallest of `sizes` neighbourhoods that holds them: a cylinder
@@ -189,29 +203,118 @@ class Denoiser {
     return std::sqrt(sum / count);
   }
 
-  TangentPlane plane_at(Index sample, double noise) const {
+  // Residuals of neighbours, and of them a noise for each sample.
+  void measure_noise(Progress& progress) {
+    std::vector<float> residual(cloud_.position.size());
+    progress.set_range(0.0, 0.15);
+    parallel_for_each(cloud_.size(), kGrain, progress,
+                      [&](Index i) { residual[i] = residual_at(i); });
+    noise_.resize(residual.size());
+    progress.set_range(0.15, 0.2);
+    parallel_for_each(cloud_.size(), kGrain, progress, [&](Index i) {
+      const float noise = static_cast<float>(pooled(residual, i) * scale_at(i));
+      noise_[i] = std::isfinite(noise) ? noise : 0.0f;  // samples too near for a spacing
+    });
+    std::vector<float>& sorted = residual;  // no longer needed
+    sorted = noise_;
+    const auto typical =
+        sorted.begin() + static_cast<std::ptrdiff_t>(kTypical * static_cast<double>(sorted.size()));
+    std::nth_element(sorted.begin(), typical, sorted.end());
+    typical_noise_ = *typical;
+  }
+
+  // Little more or less than what is typical is typical: it may be detail, or chance.
+  double less_detail(double noise) const {
+    if (noise > options_.alike * typical_noise_) return noise / options_.alike;
+    if (noise * options_.alike < typical_noise_) return noise * options_.alike;
+    return typical_noise_;
+  }
+
+  // The quadrics of all sizes at each sample: the widest, and the steps from each to the next.
+  void measure_shapes(Progress& progress) {
+    shape_.assign(cloud_.position.size(), {});
+    for (int size = 0; size + 1 < sizes_; ++size) {
+      step_[size].assign(cloud_.position.size(), {});
+      energy_[size].assign(cloud_.position.size(), {});
+    }
+    progress.set_range(0.2, 0.7);
+    parallel_for_each(cloud_.size(), kGrain, progress, [&](Index i) { measure_shapes_at(i); });
+  }
+
+  void measure_shapes_at(Index sample) {
     const Axes axes = axes_at(sample);
     const std::array<Moments, kMostSizes> rings = rings_at(sample, axes, sizes_);
-    const double deviation = noise * axes.scale;
-    TangentPlane plane{axes.origin.cast<float>(), cloud_.normal[sample]};
+    const double noise = less_detail(noise_[sample]);
+    const double squared_noise = noise * noise + kLeastVariance;
+    const double most = std::max<double>(noise, noise_[sample]);
     Moments sum;
-    Agreement agreement;
+    Kept smaller_variance = Kept::Zero();
     bool is_first = true;
     for (int size = 0; size < sizes_; ++size) {
       sum += rings[size];
       const Quadric quadric(sum);
-      if (!quadric.is_valid) continue;
-      if (std::abs(quadric.coefficient[0]) > std::sqrt(squared_radius_[size])) break;
+      if (!quadric.is_valid && is_first) continue;
+      if (!quadric.is_valid || std::abs(quadric.coefficient[0]) > std::sqrt(squared_radius_[size]))
+        break;
       const double expected =
-          deviation * deviation * (1.0 + options_.misfit * std::sqrt(2.0 / sum.freedom()));
-      const bool fits = is_first || quadric.squared_residual <= expected;
-      if (!fits || !agreement.add(quadric, options_.confidence * deviation)) break;
+          most * most * (1.0 + options_.misfit * std::sqrt(2.0 / sum.freedom()));
+      if (!is_first && quadric.squared_residual > expected) break;
+      const Shape shape = {static_cast<float>(quadric.coefficient[0]),
+                           static_cast<float>(quadric.coefficient[1]),
+                           static_cast<float>(quadric.coefficient[2])};
+      if (!is_first) {
+        const Shape step = shape_[sample] - shape;
+        // Of a nested pair the difference varies by the difference of the variances.
+        const Kept spare =
+            (smaller_variance - quadric.variance).cwiseMax(kLeastVariance) * squared_noise;
+        step_[size - 1][sample] = step;
+        energy_[size - 1][sample] = {
+            static_cast<float>(step.height * step.height / spare[0]),
+            static_cast<float>((step.u * step.u + step.v * step.v) / (spare[1] + spare[2]))};
+      }
+      shape_[sample] = shape;
+      smaller_variance = quadric.variance;
       is_first = false;
-      const Coefficients& q = quadric.coefficient;
-      plane.point = (axes.origin + q[0] / axes.scale * axes.normal).cast<float>();
-      plane.normal = (axes.normal - q[1] * axes.u - q[2] * axes.v).normalized().cast<float>();
     }
-    return plane;
+  }
+
+  // Mean over the neighbours that look the same way.
+  Energy mean_energy(const std::vector<Energy>& energy, Index sample) const {
+    if (!energy[sample].is_known()) return {};
+    Energy sum{0.0f, 0.0f};
+    float count = 0.0f;
+    for (int entry = 0; entry < std::min(kPooled, cloud_.neighbour_count); ++entry) {
+      const Index other = cloud_.neighbours_of(sample)[entry];
+      if (!energy[other].is_known() ||
+          !(other == sample || cloud_.normal[other].dot(cloud_.normal[sample]) > least_cosine_))
+        continue;
+      sum.height += energy[other].height;
+      sum.slope += energy[other].slope;
+      count += 1.0f;
+    }
+    return {sum.height / count, sum.slope / count};
+  }
+
+  // Of the step from one size to the next the part that is more than noise.
+  void add_detail(int size, Progress& progress) {
+    std::vector<Energy>& energy = energy_[size];
+    std::vector<Energy> mean(energy.size());
+    for (int round = 0; round < kRounds; ++round) {
+      parallel_for_each(cloud_.size(), kGrain, progress,
+                        [&](Index i) { mean[i] = mean_energy(energy, i); });
+      energy.swap(mean);
+    }
+    const auto part = [](float e) { return e > 1.0f ? 1.0f - 1.0f / e : 0.0f; };
+    parallel_for_each(cloud_.size(), kGrain, progress, [&](Index i) {
+      if (!energy[i].is_known()) return;
+      const Shape& step = step_[size][i];
+      const float of_slope = part(energy[i].slope);
+      shape_[i].height += part(energy[i].height) * step.height;
+      shape_[i].u += of_slope * step.u;
+      shape_[i].v += of_slope * step.v;
+    });
+    energy = {};
+    step_[size] = {};
   }
 
   const PointCloud& cloud_;
@@ -219,30 +322,51 @@ class Denoiser {
   int sizes_;
   float least_cosine_ = 0.0f;
   std::array<double, kMostSizes> squared_radius_{};  // x local spacing
+  std::vector<float> noise_;                         // around each sample, x local spacing
+  double typical_noise_ = 0.0;
+  std::vector<Shape> shape_;                         // of each sample
+  std::array<std::vector<Shape>, kMostSizes> step_;  // of each sample, between sizes
+  std::array<std::vector<Energy>, kMostSizes> energy_;
 };
 
 }  // namespace
 
-void denoise(PointCloud& cloud, double noise, int neighbours, const DenoisingOptions& options,
-             Progress& progress) {
-  const std::vector<TangentPlane> planes = Denoiser(cloud, noise, options).planes(progress);
+DenoisingReport denoise(PointCloud& cloud, double noise, int neighbours,
+                        const DenoisingOptions& options, Progress& progress) {
+  std::vector<Place> places = Denoiser(cloud, noise, options).places(progress);
   progress.set_range(0.8, 1.0);
+  DenoisingReport report;
   // Searches expect samples in the order of their places.
-  std::vector<Vec3> moved(planes.size());
-  for (Index i = 0; i < cloud.size(); ++i) moved[i] = planes[i].point.cast<double>();
-  const std::vector<Index> order = morton_order(moved, progress);
-  std::vector<Index> input_index(planes.size());
-  cloud.plane.resize(planes.size());
+  std::vector<Vec3> moved(places.size());
   for (Index i = 0; i < cloud.size(); ++i) {
-    cloud.position[i] = moved[order[i]];
-    cloud.plane[i] = planes[order[i]];
-    input_index[i] = cloud.input_index[order[i]];
+    moved[i] = places[i].position;
+    const double distance = (moved[i] - cloud.position[i]).norm() / cloud.spacing;
+    if (distance > 0.0) ++report.moved;
+    report.mean_displacement += distance / cloud.size();
+    report.max_displacement = std::max(report.max_displacement, distance);
   }
-  cloud.input_index = std::move(input_index);
-  cloud.search = VoxelSearch(cloud.position, progress);
-  measure_neighbourhoods(cloud, neighbours, progress);
-  for (Index i = 0; i < cloud.size(); ++i) cloud.normal[i] = cloud.plane[i].normal;
-  cloud.index_before = order;
+  const std::vector<Index> order = morton_order(moved, progress);
+  // The cloud that was stays as it is until the new one is complete.
+  PointCloud next;
+  next.frame = cloud.frame;
+  next.conditioning = cloud.conditioning;
+  next.position.resize(places.size());
+  next.input_index.resize(places.size());
+  next.plane.resize(places.size());
+  for (Index i = 0; i < cloud.size(); ++i) {
+    const Place& place = places[order[i]];
+    next.position[i] = place.position;
+    next.plane[i] = {place.position.cast<float>(), place.normal};
+    next.input_index[i] = cloud.input_index[order[i]];
+  }
+  places = {};
+  moved = {};
+  next.search = VoxelSearch(next.position, progress);
+  measure_neighbourhoods(next, neighbours, progress);
+  for (Index i = 0; i < next.size(); ++i) next.normal[i] = next.plane[i].normal;
+  next.index_before = order;
+  cloud = std::move(next);
+  return report;
 }
 
 void undo_denoising(PointCloud& cloud, const std::vector<Vec3>& points, int neighbours,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "face_tree.h"
 #include "one_ring.h"
@@ -34,6 +35,12 @@ std::array<double, kTableSize> limit_weights() {
 struct Distances {
   double sum = 0.0, greatest = 0.0;
   Index held = 0, membrane = 0;
+
+  void add(double distance) {
+    sum += distance;
+    greatest = std::max(greatest, distance);
+    ++held;
+  }
   Distances& operator+=(const Distances& other) {
     sum += other.sum;
     greatest = std::max(greatest, other.greatest);
@@ -42,6 +49,12 @@ struct Distances {
     return *this;
   }
 };
+
+void tell(const Distances& distances, double spacing, ParametricSurfaceReport& report) {
+  report.membrane_vertices = distances.membrane;
+  report.mean_distance = distances.held > 0 ? distances.sum / distances.held / spacing : 0.0;
+  report.max_distance = distances.greatest / spacing;
+}
 
 class Fitting {
  public:
@@ -64,6 +77,24 @@ class Fitting {
     return distances;
   }
 
+  // How far the vertices are from their targets.
+  Distances measure(const SurfaceMesh& mesh, Progress& progress) const {
+    const Index vertices = mesh.vertex_slots();
+    return parallel_sum(vertices, kGrain, progress, Distances(), [&](Index begin, Index end) {
+      Distances block;
+      Index hint = kNone;
+      for (Index v = begin; v < end; ++v) {
+        const OneRing ring = gather_one_ring(mesh, v);
+        const Vec3& position = mesh.position[v];
+        if (const auto target = target_of(position, ring, position + ring.laplacian(), hint))
+          block.add((*target - position).norm());
+        else
+          ++block.membrane;
+      }
+      return block;
+    });
+  }
+
   Vec3 limit_position(const SurfaceMesh& mesh, Index v, const OneRing& ring) const {
     const double weight =
         ring.valence < kTableSize ? weight_[ring.valence] : loop_limit_weight(ring.valence);
@@ -84,25 +115,25 @@ class Fitting {
     const Vec3 limit = limit_position(mesh, v, ring);
     const Vec3 laplacian = ring.laplacian();
     const Vec3 tangential = laplacian - laplacian.dot(ring.normal) * ring.normal;
-    Vec3 target;
-    if (options_.target == ParametricSurfaceOptions::Target::nearest_sample) {
-      target = nearest_sample(limit);
-    } else {
-      const TangentTarget::Target found =
-          tangent_.find(limit, ring.normal, mesh.position[v] + laplacian, hint);
-      hint = found.nearest;
-      if (found.is_membrane) {
-        ++distances.membrane;
-        return mesh.position[v] + kMembraneRelaxation * tangential;
-      }
-      target = found.point;
+    const std::optional<Vec3> target = target_of(limit, ring, mesh.position[v] + laplacian, hint);
+    if (!target) {
+      ++distances.membrane;
+      return mesh.position[v] + kMembraneRelaxation * tangential;
     }
-    const Vec3 attraction = target - limit;
-    const double distance = attraction.norm();
-    distances.sum += distance;
-    distances.greatest = std::max(distances.greatest, distance);
-    ++distances.held;
+    const Vec3 attraction = *target - limit;
+    distances.add(attraction.norm());
     return mesh.position[v] + options_.attraction * attraction + options_.relaxation * tangential;
+  }
+
+  // None in a membrane.
+  std::optional<Vec3> target_of(const Vec3& query, const OneRing& ring, const Vec3& centroid,
+                                Index& hint) const {
+    if (options_.target == ParametricSurfaceOptions::Target::nearest_sample)
+      return nearest_sample(query);
+    const TangentTarget::Target found = tangent_.find(query, ring.normal, centroid, hint);
+    hint = found.nearest;
+    if (found.is_membrane) return std::nullopt;
+    return found.point;
   }
 
   Vec3 nearest_sample(const Vec3& query) const {
@@ -240,13 +271,16 @@ ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud&
     }
   }
   if (options.move_to_limit) fitting.move_to_limit(mesh, progress);
-  const double spacing = cloud.spacing;
   result.report.vertices = mesh.vertex_count();
-  result.report.membrane_vertices = distances.membrane;
-  result.report.mean_distance = distances.held > 0 ? distances.sum / distances.held / spacing : 0.0;
-  result.report.max_distance = distances.greatest / spacing;
+  tell(distances, cloud.spacing, result.report);
   result.mesh = std::move(mesh);
   return result;
+}
+
+void measure_distances(ParametricSurface& surface, const PointCloud& cloud,
+                       const ParametricSurfaceOptions& options, Progress& progress) {
+  const Fitting fitting(cloud, options);
+  tell(fitting.measure(surface.mesh, progress), cloud.spacing, surface.report);
 }
 
 }  // namespace shrinkwrap

@@ -54,4 +54,9 @@ ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud&
                                           const ParametricSurfaceOptions& options,
                                           Progress& progress);
 
+/// Measures `mean_distance`, `max_distance` and `membrane_vertices` anew, on the mesh as it is:
+/// what the fit tells is of control vertices before they went to their limits. Pre: as above.
+void measure_distances(ParametricSurface& surface, const PointCloud& cloud,
+                       const ParametricSurfaceOptions& options, Progress& progress);
+
 }  // namespace shrinkwrap

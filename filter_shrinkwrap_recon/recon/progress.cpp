@@ -56,10 +56,10 @@ Progress::Progress(Callback callback, const std::vector<Stage>& stages)
 }
 
 void Progress::begin(Stage stage) {
+  if (stage != stage_) set_part(0.0, 1.0);
   stage_ = stage;
   set_range(0.0, 1.0);
-  if (callback_ && std::this_thread::get_id() == owner_)
-    call(stage_begin_[static_cast<int>(stage)]);
+  if (callback_ && std::this_thread::get_id() == owner_) call(0.0);
 }
 
 void Progress::set_range(double from, double to) {
@@ -72,20 +72,26 @@ void Progress::set_attempt(double from, double to) {
   attempt_to_ = to;
 }
 
+void Progress::set_part(double from, double to) {
+  part_from_ = from;
+  part_to_ = to;
+  set_range(0.0, 1.0);
+}
+
 void Progress::update(double fraction_of_stage) {
   if (cancelled()) throw Cancelled();
   if (!callback_ || std::this_thread::get_id() != owner_) return;
   const auto now = std::chrono::steady_clock::now();
   if (now - last_call_ < kCallInterval) return;
   last_call_ = now;
-  const int i = static_cast<int>(stage_);
-  const double within =
-      range_from_ + (range_to_ - range_from_) * std::clamp(fraction_of_stage, 0.0, 1.0);
-  call(stage_begin_[i] + stage_weight_[i] * within);
+  call(range_from_ + (range_to_ - range_from_) * std::clamp(fraction_of_stage, 0.0, 1.0));
 }
 
-void Progress::call(double fraction) {
-  const double of_run = attempt_from_ + (attempt_to_ - attempt_from_) * std::min(fraction, 1.0);
+void Progress::call(double fraction_of_part) {
+  const int i = static_cast<int>(stage_);
+  const double within = part_from_ + (part_to_ - part_from_) * fraction_of_part;
+  const double fraction = std::min(stage_begin_[i] + stage_weight_[i] * within, 1.0);
+  const double of_run = attempt_from_ + (attempt_to_ - attempt_from_) * fraction;
   last_fraction_ = std::max(last_fraction_, of_run);
   if (!callback_(last_fraction_, stage_name(stage_))) {
     cancelled_.store(true, std::memory_order_relaxed);

@@ -48,6 +48,10 @@ class Progress {
   /// Enters a stage and tells the callback at once. Undeclared stages are allowed and advance
   /// nothing (used when stages are run on their own).
   void begin(Stage stage);
+  /// Maps all of the current stage to [from, to] of its share until another stage begins, for a
+  /// stage that is made of several functions, or runs one of them twice: each calls `begin` and
+  /// `set_range` as if it were alone.
+  void set_part(double from, double to);
   /// Reports the fraction done of the current stage, in [0, 1]. Throws Cancelled.
   void update(double fraction_of_stage);
   /// Maps `update` of the code that follows to [from, to] of the current stage. Sub-ranges do not
@@ -59,15 +63,16 @@ class Progress {
   bool cancelled() const { return cancelled_.load(std::memory_order_relaxed); }
 
  private:
-  void call(double fraction);
+  void call(double fraction_of_part);
 
   Callback callback_;
   std::thread::id owner_ = std::this_thread::get_id();
   double stage_begin_[kStageCount] = {};
   double stage_weight_[kStageCount] = {};
   Stage stage_ = Stage::samples;
-  double range_from_ = 0.0, range_to_ = 1.0;
-  double attempt_from_ = 0.0, attempt_to_ = 1.0;
+  double range_from_ = 0.0, range_to_ = 1.0;      // of the part
+  double part_from_ = 0.0, part_to_ = 1.0;        // of the stage
+  double attempt_from_ = 0.0, attempt_to_ = 1.0;  // of the run
   double last_fraction_ = 0.0;
   std::chrono::steady_clock::time_point last_call_{};
   std::atomic<bool> cancelled_{false};

@@ -10,6 +10,7 @@
 #include "finish_matching.h"
 #include "freed_memory.h"
 #include "memory_estimate.h"
+#include "self_intersection.h"
 #include "stage_qualities.h"
 
 namespace shrinkwrap {
@@ -41,6 +42,8 @@ class StageLog {
     record.seconds = watch_.lap();
     result_.stages.push_back(std::move(record));
   }
+  // What was logged elsewhere.
+  void skip() { watch_.lap(); }
   // `make_mesh` is called only if the caller wants the stages; its time is not the stage's.
   template <class MakeMesh>
   void add(Stage stage, Index vertices, const MakeMesh& make_mesh) {
@@ -95,8 +98,9 @@ bool are_of_single_precision(const std::vector<Vec3>& points) {
 // Measures and orients the normals of a noisy cloud anew over wider neighbourhoods, moves its
 // samples onto the surface that they scatter about, and enlarges the voxels, the more so the
 // noisier the samples are.
-void smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise, ReconstructionOptions& options,
-                      OrientationReport& orientation, Progress& progress) {
+DenoisingReport smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise,
+                                 ReconstructionOptions& options, OrientationReport& orientation,
+                                 Progress& progress) {
   constexpr double kWider = 1.0, kLargerVoxels = 0.35;
   constexpr double kAttraction = 0.4, kRelaxation = 0.3;  // from one unit on
   const NoiseOptions& limits = options.noise;
@@ -107,15 +111,20 @@ void smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise, Reconstruct
     const int wider = static_cast<int>(std::lround(neighbours * (1.0 + kWider * units)));
     OrientationOptions orientation_options = options.orientation;
     orientation_options.plane_neighbours = std::max(orientation_options.plane_neighbours, wider);
+    progress.set_part(0.2, 0.3);
     measure_neighbourhoods(cloud, wider, progress);
+    progress.set_part(0.3, 0.45);
     orientation = orient_normals(cloud, orientation_options, progress);
   }
-  denoise(cloud, noise.median, neighbours, options.denoising, progress);
+  progress.set_part(0.45, 1.0);
+  const DenoisingReport report =
+      denoise(cloud, noise.median, neighbours, options.denoising, progress);
   options.initial_mesh.voxel_size *= 1.0 + kLargerVoxels * units;
   const double part = std::min(units, 1.0);
   const auto towards = [&](double& value, double at_one) { value += part * (at_one - value); };
   towards(options.parametric_surface.attraction, kAttraction);
   towards(options.parametric_surface.relaxation, kRelaxation);
+  return report;
 }
 
 // From the cloud to the parametric surface.
@@ -136,13 +145,10 @@ SurfaceMesh make_surface(const PointCloud& cloud, const ReconstructionOptions& o
   round_to_host(mesh, cloud.frame, options.host_scalar);
   log.add(Stage::control_mesh, mesh.vertex_count(), in_input_frame);
 
-  ParametricSurface parametric =
-      make_parametric_surface(std::move(mesh), cloud, options.parametric_surface, progress);
-  result.parametric_surface = parametric.report;
-  mesh = std::move(parametric.mesh);
-  if (options.stop_at_parametric_surface && options.intersection_repair.enabled)
-    result.relaxation = relax_self_intersections(mesh, options.relaxation, progress);
-  round_to_host(mesh, cloud.frame, options.host_scalar);
+  FittedSurface fitted = fit_surface(std::move(mesh), cloud, options, progress);
+  result.parametric_surface = fitted.surface.report;
+  result.relaxation = std::move(fitted.relaxation);
+  mesh = std::move(fitted.surface.mesh);
   log.add(Stage::parametric_surface, mesh.vertex_count(), in_input_frame);
   return mesh;
 }
@@ -233,6 +239,7 @@ void match_noisy(PointCloud& cloud, const std::vector<Vec3>& points, const Noise
     smooth_for_noise(cloud, noise, options, second.orientation, progress);
     log.add(Stage::orientation, cloud.size());
     SurfaceMesh surface = make_surface(cloud, options, second, log, progress);
+    second.relaxation = RelaxationReport();  // of a surface that is not the result
     undo_denoising(cloud, points, options.samples.neighbours, progress);
     match(std::move(surface), cloud, points, options, second, log, progress);
     keep_better(result, second);
@@ -246,7 +253,7 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   StageLog log(result, options);
 
   require_memory_for(points.size(), options.memory_limit);
-  if (!are_of_single_precision(points)) options.host_scalar = HostScalar::double_precision;
+  options.host_scalar = host_scalar_for(points, options);
   PointCloud cloud = prepare_samples(points, options.samples, progress);
   result.conditioning = cloud.conditioning;
   log.add(Stage::samples, cloud.size());
@@ -260,6 +267,7 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   const CloudReport samples = orient_and_smooth(cloud, options, progress);
   result.orientation = samples.orientation;
   result.noise = samples.noise.median;
+  result.denoising = samples.denoising;
   log.add(Stage::orientation, cloud.size());
 
   const bool is_noisy = options.initial_mesh.start == InitialMeshOptions::Start::winding_number &&
@@ -267,6 +275,7 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
                         samples.noise.median > std::max(options.noise.high, options.denoising.from);
   if (is_noisy && !options.stop_at_parametric_surface) {
     match_noisy(cloud, points, samples.noise, options, result, progress);
+    log.skip();
   } else {
     SurfaceMesh surface = make_surface(cloud, options, result, log, progress);
     if (options.stop_at_parametric_surface)
@@ -308,19 +317,55 @@ ReconstructionOptions as_in_the_paper() {
   return options;
 }
 
+HostScalar host_scalar_for(const std::vector<Vec3>& points, const ReconstructionOptions& options) {
+  return are_of_single_precision(points) ? options.host_scalar : HostScalar::double_precision;
+}
+
 CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
                               Progress& progress) {
   CloudReport report;
+  const bool is_robust = options.initial_mesh.start == InitialMeshOptions::Start::winding_number;
+  const bool may_smooth = options.stop_at_parametric_surface && is_robust;
+  if (may_smooth) {
+    progress.begin(Stage::orientation);
+    progress.set_part(0.0, 0.15);
+  }
   report.orientation = orient_normals(cloud, options.orientation, progress);
+  if (may_smooth) progress.set_part(0.15, 0.2);
   report.noise = estimate_noise(cloud, options.noise, progress);
   if (report.noise.median > options.noise.high && options.initial_mesh.second_voxel_ratio > 0.0)
     options.initial_mesh.second_voxel_ratio = options.noise.second_voxel_ratio;
   if (!options.stop_at_parametric_surface) return report;
   options.parametric_surface.fine_enough = 0.0;
-  const bool is_robust = options.initial_mesh.start == InitialMeshOptions::Start::winding_number;
-  if (is_robust && report.noise.median > options.denoising.from)
-    smooth_for_noise(cloud, report.noise, options, report.orientation, progress);
+  if (may_smooth && report.noise.median > options.denoising.from)
+    report.denoising = smooth_for_noise(cloud, report.noise, options, report.orientation, progress);
   return report;
+}
+
+FittedSurface fit_surface(SurfaceMesh control, const PointCloud& cloud,
+                          const ReconstructionOptions& options, Progress& progress) {
+  FittedSurface result;
+  const bool is_last = options.stop_at_parametric_surface;
+  progress.begin(Stage::parametric_surface);
+  if (is_last) progress.set_part(0.0, 0.8);
+  result.surface =
+      make_parametric_surface(std::move(control), cloud, options.parametric_surface, progress);
+  SurfaceMesh& mesh = result.surface.mesh;
+  round_to_host(mesh, cloud.frame, options.host_scalar);
+  if (!is_last) return result;
+  if (options.intersection_repair.enabled) {
+    progress.set_part(0.8, 0.95);
+    result.relaxation = relax_self_intersections(mesh, options.relaxation, progress);
+  }
+  progress.set_part(0.95, 1.0);
+  if (result.relaxation.moved > 0) {
+    round_to_host(mesh, cloud.frame, options.host_scalar);
+    result.relaxation.remaining_faces =
+        self_intersecting_faces(mesh.position, mesh.triangles(), progress);
+    result.relaxation.faces_after = static_cast<Index>(result.relaxation.remaining_faces.size());
+  }
+  measure_distances(result.surface, cloud, options.parametric_surface, progress);
+  return result;
 }
 
 std::vector<Stage> stages_of(const ReconstructionOptions& options) {

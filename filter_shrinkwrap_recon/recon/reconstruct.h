@@ -77,7 +77,8 @@ struct Reconstruction {
   ConditioningReport conditioning;
   OutlierReport outliers;  ///< the samples that the promise leaves out
   OrientationReport orientation;
-  double noise = 0.0;  ///< of the samples, x spacing
+  double noise = 0.0;         ///< of the samples, x spacing
+  DenoisingReport denoising;  ///< of a noisy run that stops at the parametric surface
   InitialMeshReport initial_mesh;
   ParametricSurfaceReport parametric_surface;
   CompleteMatchingReport complete_matching;
@@ -102,6 +103,7 @@ Reconstruction reconstruct(const std::vector<Vec3>& points, const Reconstruction
 struct CloudReport {
   OrientationReport orientation;
   NoiseEstimate noise;
+  DenoisingReport denoising;  ///< none moved if they are left as they are
 };
 
 /// Orients the normals and estimates the noise. Above `options.noise.high` handles are to be
@@ -114,6 +116,20 @@ struct CloudReport {
 /// matching then goes on with `undo_denoising`. Pre: the cloud was prepared with `options.samples`.
 CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
                               Progress& progress);
+
+/// The scalar to which intermediate meshes are rounded: the options', or double precision if single
+/// cannot hold the points.
+HostScalar host_scalar_for(const std::vector<Vec3>& points, const ReconstructionOptions& options);
+
+struct FittedSurface {
+  ParametricSurface surface;
+  RelaxationReport relaxation;
+};
+
+/// Makes the parametric surface and rounds it to `options.host_scalar`. Where the run stops at it,
+/// faces that meet others are smoothed apart, and both reports are of the result.
+FittedSurface fit_surface(SurfaceMesh control, const PointCloud& cloud,
+                          const ReconstructionOptions& options, Progress& progress);
 
 /// The stages that a run with these options passes, for the construction of its Progress.
 std::vector<Stage> stages_of(const ReconstructionOptions& options);
