@@ -172,7 +172,7 @@ InitialMesh most_plausible_boundary(const PointCloud& cloud, const InitialMeshOp
   InitialMesh second = solid_boundary(cloud, winding, other, progress);
   if (second.report.genus >= first.report.genus ||
       second.report.components < first.report.components ||
-      second.report.cavities < first.report.cavities)
+      (options.second_voxel_ratio < 1.0 && second.report.cavities < first.report.cavities))
     return first;
   second.report.handles_refuted = first.report.genus - second.report.genus;
   return second;
