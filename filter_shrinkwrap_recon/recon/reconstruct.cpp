@@ -218,10 +218,25 @@ void keep_better(Reconstruction& first, Reconstruction& second) {
   first = std::move(second);
 }
 
-// Noise gives the surface handles and folds. Where that did harm, the samples are matched to a
-// surface that is smoothed for the noise, as a run does that stops there.
+// The samples matched to a surface that is smoothed for their noise, as a run makes it that stops
+// there.
+void match_smoothed(PointCloud& cloud, const std::vector<Vec3>& points, const NoiseEstimate& noise,
+                    ReconstructionOptions options, Reconstruction& result, Progress& progress) {
+  StageLog log(result, options);
+  options.stop_at_parametric_surface = true;
+  options.parametric_surface.fine_enough = 0.0;
+  progress.begin(Stage::orientation);
+  smooth_for_noise(cloud, noise, options, result.orientation, progress);
+  log.add(Stage::orientation, cloud.size());
+  SurfaceMesh surface = make_surface(cloud, options, result, log, progress);
+  result.relaxation = RelaxationReport();  // of a surface that is not the result
+  undo_denoising(cloud, points, options.samples.neighbours, progress);
+  match(std::move(surface), cloud, points, options, result, log, progress);
+}
+
+// Noise gives the surface handles and folds: where that did harm, it is smoothed.
 void match_noisy(PointCloud& cloud, const std::vector<Vec3>& points, const NoiseEstimate& noise,
-                 ReconstructionOptions options, Reconstruction& result, Progress& progress) {
+                 const ReconstructionOptions& options, Reconstruction& result, Progress& progress) {
   Reconstruction second = result;
   second.stages.clear();
   progress.set_attempt(0.0, 0.5);
@@ -232,17 +247,12 @@ void match_noisy(PointCloud& cloud, const std::vector<Vec3>& points, const Noise
   }
   if (faults_of(result) > 0) {
     progress.set_attempt(0.5, 1.0);
-    StageLog log(second, options);
-    options.stop_at_parametric_surface = true;
-    options.parametric_surface.fine_enough = 0.0;
-    progress.begin(Stage::orientation);
-    smooth_for_noise(cloud, noise, options, second.orientation, progress);
-    log.add(Stage::orientation, cloud.size());
-    SurfaceMesh surface = make_surface(cloud, options, second, log, progress);
-    second.relaxation = RelaxationReport();  // of a surface that is not the result
-    undo_denoising(cloud, points, options.samples.neighbours, progress);
-    match(std::move(surface), cloud, points, options, second, log, progress);
-    keep_better(result, second);
+    try {
+      match_smoothed(cloud, points, noise, options, second, progress);
+      keep_better(result, second);
+    } catch (const ReconstructionFailed&) {
+      // There is a mesh already.
+    }
   }
   progress.set_attempt(0.0, 1.0);
 }
