@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "sort_unique.h"
 #include "triangle_geometry.h"
 
 namespace shrinkwrap {
@@ -15,11 +16,6 @@ constexpr Index kLeastSamples = 4;           // of a border
 constexpr double kLeastCosine = 0.7;         // between the triangle and the faces around the sample
 constexpr double kLongestEdge = 4.0;         // x local spacing
 constexpr Index kProgressStride = 1 << 10;
-
-void sort_and_make_unique(std::vector<Index>& indices) {
-  std::sort(indices.begin(), indices.end());
-  indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
-}
 
 class NotchFiller {
  public:
@@ -37,7 +33,7 @@ class NotchFiller {
       for (const Index v : mesh_.triangle(f))
         if (is_sample(v)) samples.push_back(v);
     }
-    sort_and_make_unique(samples);
+    sort_unique(samples);
     for (const Index v : samples)
       if (border_[v] == kNone && find_dropped_fan(v)) follow_border(v);
     return samples;
@@ -159,7 +155,7 @@ Index fill_border_notches(SurfaceMesh& mesh, const PointCloud& cloud, std::vecto
   Index filled = 0;
   // Every triangle made takes a sample off the border: this comes to an end.
   for (; !pending.empty(); pending.swap(next)) {
-    sort_and_make_unique(pending);
+    sort_unique(pending);
     next.clear();
     for (std::size_t i = 0; i < pending.size(); ++i) {
       if (i % kProgressStride == 0) progress.update(0.0);

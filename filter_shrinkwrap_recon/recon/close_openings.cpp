@@ -7,6 +7,7 @@
 #include "box_tree.h"
 #include "collapse_rating.h"
 #include "delaunay_flips.h"
+#include "sort_unique.h"
 #include "triangle_pair.h"
 
 namespace shrinkwrap {
@@ -203,8 +204,7 @@ class FaceNames {
     std::vector<Index> faces;
     for (const auto& [from, to] : edges_)
       faces.push_back(SurfaceMesh::face(mesh_.find_halfedge(from, to)));
-    std::sort(faces.begin(), faces.end());
-    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    sort_unique(faces);
     return faces;
   }
 

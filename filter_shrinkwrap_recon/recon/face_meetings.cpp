@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "self_intersection.h"
+#include "sort_unique.h"
 
 namespace shrinkwrap {
 namespace {
@@ -45,8 +46,7 @@ std::vector<FaceMeetings::Pair> FaceMeetings::pairs_of(const std::vector<Index>&
   std::vector<Pair> pairs;
   for (const Index f : faces)
     for (const Index g : faces_met_by(f)) pairs.push_back(std::minmax(f, g));
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  sort_unique(pairs);
   return pairs;
 }
 

@@ -10,17 +10,13 @@
 #include "one_ring.h"
 #include "parallel.h"
 #include "self_intersection.h"
+#include "sort_unique.h"
 #include "triangle_pair.h"
 
 namespace shrinkwrap {
 namespace {
 
 constexpr Index kGrain = 1 << 8;
-
-void sort_unique(std::vector<Index>& indices) {
-  std::sort(indices.begin(), indices.end());
-  indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
-}
 
 std::vector<Index> vertices_of(const SurfaceMesh& mesh, const std::vector<Index>& faces) {
   std::vector<Index> vertices;

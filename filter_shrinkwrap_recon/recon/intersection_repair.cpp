@@ -10,6 +10,7 @@
 #include "exact_predicates.h"
 #include "face_meetings.h"
 #include "sample_relocation.h"
+#include "sort_unique.h"
 #include "triangle_geometry.h"
 
 namespace shrinkwrap {
@@ -48,11 +49,6 @@ constexpr Attempt kAttempts[] = {{1, false},
                                  {3, true},
                                  {4, true}};
 constexpr std::size_t kAttemptCount = std::size(kAttempts);
-
-void sort_and_make_unique(std::vector<Index>& indices) {
-  std::sort(indices.begin(), indices.end());
-  indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
-}
 
 // The two triangles at an edge, or the two that a flip would make of them.
 using Hinge = std::array<Triangle, 2>;
@@ -285,7 +281,7 @@ std::vector<Index> Repair::vertices_of(const std::vector<Index>& faces) const {
   std::vector<Index> vertices;
   for (Index f : faces)
     for (Index v : mesh_.triangle(f)) vertices.push_back(v);
-  sort_and_make_unique(vertices);
+  sort_unique(vertices);
   return vertices;
 }
 
@@ -296,7 +292,7 @@ std::vector<Index> Repair::faces_near(std::vector<Index> faces, int rings) const
     faces.clear();
     for (Index v : vertices)
       mesh_.for_each_outgoing(v, [&](Index h) { faces.push_back(SurfaceMesh::face(h)); });
-    sort_and_make_unique(faces);
+    sort_unique(faces);
   }
   return faces;
 }
@@ -306,7 +302,7 @@ std::vector<Index> Repair::edges_of(const std::vector<Index>& faces) const {
   std::vector<Index> edges;
   for (Index f : faces)
     for (Index h = 3 * f; h < 3 * f + 3; ++h) edges.push_back(std::min(h, mesh_.twin(h)));
-  sort_and_make_unique(edges);
+  sort_unique(edges);
   return edges;
 }
 
@@ -318,7 +314,7 @@ std::vector<Index> Repair::affected_faces() const {
     const std::vector<Index>& met = meetings_.faces_met_by(faces[i]);
     faces.insert(faces.end(), met.begin(), met.end());
   }
-  sort_and_make_unique(faces);
+  sort_unique(faces);
   return faces;
 }
 

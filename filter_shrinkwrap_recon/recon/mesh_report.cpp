@@ -10,6 +10,7 @@
 #include "parallel.h"
 #include "self_intersection.h"
 #include "shared_sets.h"
+#include "sort_unique.h"
 
 namespace shrinkwrap {
 namespace {
@@ -175,8 +176,7 @@ Index count_border_loops(const std::vector<BorderEdge>& border) {
     vertex.push_back(edge.a);
     vertex.push_back(edge.b);
   }
-  std::sort(vertex.begin(), vertex.end());
-  vertex.erase(std::unique(vertex.begin(), vertex.end()), vertex.end());
+  sort_unique(vertex);
   const auto number_of = [&](Index v) {
     return static_cast<Index>(std::lower_bound(vertex.begin(), vertex.end(), v) - vertex.begin());
   };

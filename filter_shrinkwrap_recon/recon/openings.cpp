@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "border_notches.h"
+#include "sort_unique.h"
 
 namespace shrinkwrap {
 namespace {
@@ -40,8 +41,7 @@ class OpeningCutter {
     while (!changed_.empty()) {
       std::vector<Index> pending;
       pending.swap(changed_);
-      std::sort(pending.begin(), pending.end());
-      pending.erase(std::unique(pending.begin(), pending.end()), pending.end());
+      sort_unique(pending);
       for (const Index v : pending) mend_vertex(v);
       progress.update(0.5);
     }

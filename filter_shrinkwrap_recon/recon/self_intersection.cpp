@@ -4,6 +4,7 @@
 #include <atomic>
 
 #include "parallel.h"
+#include "sort_unique.h"
 
 namespace shrinkwrap {
 namespace {
@@ -42,8 +43,7 @@ std::vector<Index> intersecting_faces(const std::vector<std::pair<Index, Index>>
     faces.push_back(f);
     faces.push_back(g);
   }
-  std::sort(faces.begin(), faces.end());
-  faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+  sort_unique(faces);
   return faces;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "parallel.h"
+#include "sort_unique.h"
 #include "surface_mesh.h"
 
 namespace shrinkwrap {
@@ -73,8 +74,7 @@ void run_in_blocks(const VertexBlocks& blocks, Progress& progress, const Seed& s
       }
       if (own.empty()) return;
       work(BlockOwner(blocks, block, pass), own);
-      std::sort(own.begin(), own.end());
-      own.erase(std::unique(own.begin(), own.end()), own.end());
+      sort_unique(own);
       own.shrink_to_fit();
     });
     if (pass + 1 == VertexBlocks::kPasses) return;

@@ -7,6 +7,7 @@
 
 #include "morton.h"
 #include "parallel.h"
+#include "sort_unique.h"
 
 namespace shrinkwrap {
 namespace {
@@ -33,11 +34,6 @@ Voxel brick_of_key(std::uint64_t key) {
   const auto [x, y, z] = morton_coordinates(key);
   const auto part = [](std::uint32_t c) { return static_cast<Index>(c) - kKeyOffset; };
   return {part(x), part(y), part(z)};
-}
-
-void sort_unique(std::vector<std::uint64_t>& keys) {
-  std::sort(keys.begin(), keys.end());
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
 }
 
 VoxelLattice lattice_over(const PointCloud& cloud, const InitialMeshOptions& options) {

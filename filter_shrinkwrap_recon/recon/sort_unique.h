@@ -1,0 +1,16 @@
+// Sorted vectors as sets.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+namespace shrinkwrap {
+
+/// Sorts the values and drops repetitions. O(n log n).
+template <class T>
+void sort_unique(std::vector<T>& values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
+}  // namespace shrinkwrap
