@@ -300,9 +300,11 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
                                      : points_at(points, cloud.input_index);
   cloud = PointCloud();
   MeshReportOptions report_options = options.report;
-  // The repair has counted the self-intersections of the mesh as it is, if no face was dropped.
+  // The repair has counted the self-intersections of the mesh as it is, if no face was dropped, and
+  // no vertex rounded on its way out of the unit frame, as those may be that are no samples.
   const bool is_counted = !options.stop_at_parametric_surface &&
-                          options.intersection_repair.enabled && result.openings.left_open == 0;
+                          options.intersection_repair.enabled && result.openings.left_open == 0 &&
+                          result.complete_matching.extra_vertices == 0;
   if (is_counted) report_options.count_self_intersections = false;
   result.report = measure_mesh(result.mesh.position, result.mesh.triangles,
                                kept.empty() ? points : kept, report_options, progress);
