@@ -74,7 +74,9 @@ std::string relaxation_line(const RelaxationReport& report) {
   return "Self-intersections smoothed away: " + count_of(report.faces_before, "face") +
          " met others, " + std::to_string(report.faces_after) + " still do, after " +
          count_of(report.moved, "vertex", "vertices") + " moved" +
-         (report.flips > 0 ? " and " + count_of(report.flips, "edge flip") : "");
+         (report.flips > 0
+              ? " and " + count_of(report.flips, "flip or relocation", "flips and relocations")
+              : "");
 }
 
 Figures figures_of(const MeshReport& report) {
@@ -282,7 +284,8 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   warn_of(result.orientation, outcome.warnings);
   warn_of(result.initial_mesh, outcome.warnings);
   warn_of(result.complete_matching, outcome.warnings);
-  warn_of_intersections(result.intersection_repair.faces_after, outcome.warnings);
+  warn_of_intersections(static_cast<Index>(result.intersection_repair.remaining_faces.size()),
+                        outcome.warnings);
   warn_of_intersections(result.relaxation.faces_after, outcome.warnings);
   if (result.intersection_repair.faces_before > 0)
     outcome.log.insert(outcome.log.end() - 1, repair_line(result.intersection_repair));
@@ -460,8 +463,8 @@ FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterIn
           count_of(finish.removed_extra, "vertex", "vertices") +
           " without a sample could be removed after all, and openings are spanned there.");
     if (repair.faces_before > 0) outcome.log.push_back(repair_line(repair));
-    warn_of_intersections(repair.faces_after, outcome.warnings);
     outcome.marked_faces = indices_after_drop(repair.remaining_faces, dropped);
+    warn_of_intersections(static_cast<Index>(outcome.marked_faces.size()), outcome.warnings);
     outcome.figures["self_intersecting_faces"] = static_cast<Index>(outcome.marked_faces.size());
   }
   if (openings.spanned + openings.left_open > 0) outcome.log.push_back(openings_line(openings));

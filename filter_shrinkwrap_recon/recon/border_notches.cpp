@@ -86,7 +86,7 @@ class NotchFiller {
       // On to the next edge of the outline: through the dropped faces around its far end.
       h = SurfaceMesh::next(h);
       while (is_dropped(mesh_.twin(h))) h = SurfaceMesh::next(mesh_.twin(h));
-      border_[at] = border;
+      if (is_sample(at)) border_[at] = border;
       ++length;
       const Vec3 to_before = mesh_.position[mesh_.target(h)] - mesh_.position[at],
                  to_after = mesh_.position[from] - mesh_.position[at];

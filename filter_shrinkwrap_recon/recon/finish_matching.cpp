@@ -12,20 +12,23 @@ FinishReport finish_matching(CompleteMatching& matching, Index samples, double s
   FinishReport report;
   RepairReport& repair = report.repair;
   repair = repair_self_intersections(matching.mesh, options, progress, matching.opening_faces);
-  if (matching.spanning_faces.empty() || matching.mesh.vertex_count() == samples) return report;
-  report.removed_extra = close_openings(matching, samples, progress);
-  if (report.removed_extra == 0) return report;
-  openings.longest_edge = longest_spanning_edge(matching) / spacing;
-  if (repair.faces_after == 0) return report;
-  // Without those vertices, flips may part what is left; and all faces have other indices.
-  RepairReport again =
-      repair_self_intersections(matching.mesh, options, progress, matching.opening_faces);
-  repair.after = again.after;
-  repair.faces_after = again.faces_after;
-  repair.remaining_faces = std::move(again.remaining_faces);
-  repair.flips += again.flips;
-  repair.rounds += again.rounds;
-  repair.tests += again.tests;
+  if (matching.spanning_faces.empty()) return report;
+  if (extra_vertices_kept(matching.mesh, samples, matching.opening_faces) > 0) {
+    report.removed_extra = close_openings(matching, samples, progress);
+    if (repair.faces_after > 0) {
+      // Flips may part what is left now, and all faces have other indices.
+      RepairReport again =
+          repair_self_intersections(matching.mesh, options, progress, matching.opening_faces);
+      repair.after = again.after;
+      repair.faces_after = again.faces_after;
+      repair.remaining_faces = std::move(again.remaining_faces);
+      repair.flips += again.flips;
+      repair.relocated += again.relocated;
+      repair.rounds += again.rounds;
+      repair.tests += again.tests;
+    }
+  }
+  measure_openings(matching, spacing, openings);
   return report;
 }
 

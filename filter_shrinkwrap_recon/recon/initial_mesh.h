@@ -22,7 +22,8 @@ struct InitialMeshOptions {
       1.2;  ///< x local spacing: up to here from the samples the plane field alone decides
   double blend_end = 2.5;  ///< x local spacing: from here on the winding number alone decides
   /// Where the first solid has handles, a second one with voxels of this many times the size is
-  /// made; the first stays unless the second has fewer handles and as many parts. 0: never.
+  /// made; the first stays unless the second has fewer handles and as many parts (of larger voxels:
+  /// as many bodies, as cavities between noisy layers are refuted too). 0: never.
   double second_voxel_ratio = 0.85;
   Index maximum_genus = -1;  ///< handles beyond are cut (genus_limit.h); -1: as many as there are
   Index min_component_samples = 30;  ///< solids and cavities supported by fewer samples are dropped

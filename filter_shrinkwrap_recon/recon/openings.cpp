@@ -159,18 +159,35 @@ void leave_openings(CompleteMatching& matching, const PointCloud& cloud, Progres
     is_dropped[f] = std::max({t[0], t[1], t[2]}) >= cloud.size();
   }
   matching.report.notches_filled = fill_border_notches(mesh, cloud, is_dropped, progress);
+  // As it is when it comes back from a layer: later stages depend on where the one-rings begin.
+  if (matching.report.notches_filled > 0)
+    mesh = SurfaceMesh::from_triangles(std::move(mesh.position), mesh.triangles());
   matching.opening_faces =
       OpeningCutter(mesh, cloud.size()).cut(marked_faces(is_dropped), progress);
   matching.spanning_faces = matching.opening_faces;
 }
 
-double longest_spanning_edge(const CompleteMatching& matching) {
+Index extra_vertices_kept(const SurfaceMesh& mesh, Index samples,
+                          const std::vector<Index>& dropped_faces) {
+  std::vector<char> is_kept(static_cast<std::size_t>(mesh.vertex_slots() - samples), 0);
+  for (Index v = samples; v < mesh.vertex_slots(); ++v)
+    mesh.for_each_outgoing(v, [&](Index h) {
+      if (!std::binary_search(dropped_faces.begin(), dropped_faces.end(), SurfaceMesh::face(h)))
+        is_kept[v - samples] = 1;
+    });
+  return static_cast<Index>(std::count(is_kept.begin(), is_kept.end(), 1));
+}
+
+void measure_openings(const CompleteMatching& matching, double spacing, OpeningsReport& report) {
   const std::vector<Index>& open = matching.opening_faces;
-  double longest = 0.0;
-  for (const Index f : matching.spanning_faces)
-    if (!std::binary_search(open.begin(), open.end(), f))
-      longest = std::max(longest, longest_edge(matching.mesh, f));
-  return longest;
+  std::vector<Index> spanning;
+  std::set_difference(matching.spanning_faces.begin(), matching.spanning_faces.end(), open.begin(),
+                      open.end(), std::back_inserter(spanning));
+  report.spanned = find_patches(matching.mesh, spanning).count;
+  report.left_open = find_patches(matching.mesh, open).count;
+  report.longest_edge = 0.0;
+  for (const Index f : spanning)
+    report.longest_edge = std::max(report.longest_edge, longest_edge(matching.mesh, f) / spacing);
 }
 
 OpeningsReport decide_openings(CompleteMatching& matching, const PointCloud& cloud,
@@ -191,15 +208,10 @@ OpeningsReport decide_openings(CompleteMatching& matching, const PointCloud& clo
     return options.openings == CompleteMatchingOptions::Openings::leave_open ||
            (is_automatic && width[patch] > options.widest_opening);
   };
-  for (Index patch = 0; patch < patches.count; ++patch) {
-    if (is_left_open(patch)) {
-      ++report.left_open;
-    } else {
-      ++report.spanned;
-      report.longest_edge = std::max(report.longest_edge, width[patch]);
-    }
-  }
-  if (is_automatic && report.left_open > 0) {
+  bool is_any_left_open = false;
+  for (Index patch = 0; patch < patches.count; ++patch)
+    is_any_left_open = is_any_left_open || is_left_open(patch);
+  if (is_automatic && is_any_left_open) {
     std::vector<char> is_wide(static_cast<std::size_t>(mesh.face_slots()), 0);
     std::vector<Index> spanned;
     for (std::size_t i = 0; i < spanning.size(); ++i)
@@ -219,6 +231,7 @@ OpeningsReport decide_openings(CompleteMatching& matching, const PointCloud& clo
     }
     spanning = std::move(spanned);
   }
+  measure_openings(matching, cloud.spacing, report);
   return report;
 }
 

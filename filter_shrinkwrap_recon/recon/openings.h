@@ -28,7 +28,12 @@ void leave_openings(CompleteMatching& matching, const PointCloud& cloud, Progres
 OpeningsReport decide_openings(CompleteMatching& matching, const PointCloud& cloud,
                                const CompleteMatchingOptions& options, Progress& progress);
 
-/// Of the faces that span openings and stay, in the frame of the mesh.
-double longest_spanning_edge(const CompleteMatching& matching);
+/// Vertices that are no sample (from index `samples` on) of faces that are not dropped. O(F).
+Index extra_vertices_kept(const SurfaceMesh& mesh, Index samples,
+                          const std::vector<Index>& opening_faces);
+
+/// Counts the patches of `spanning_faces` that stay and those of `opening_faces`, and measures the
+/// longest edge of the former; `spacing` in the frame of the mesh. O(F) where something spans.
+void measure_openings(const CompleteMatching& matching, double spacing, OpeningsReport& report);
 
 }  // namespace shrinkwrap

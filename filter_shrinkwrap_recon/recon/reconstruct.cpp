@@ -161,7 +161,6 @@ void match(SurfaceMesh parametric, const PointCloud& cloud, const std::vector<Ve
   CompleteMatching matching =
       match_samples(std::move(parametric), cloud, options.complete_matching, progress);
   result.complete_matching = matching.report;
-  result.openings = decide_openings(matching, cloud, options.complete_matching, progress);
   const auto distances = [&](const ResultMesh& stage) {
     return distances_from_surface(stage, surface, cloud.frame, progress);
   };
@@ -172,14 +171,16 @@ void match(SurfaceMesh parametric, const PointCloud& cloud, const std::vector<Ve
     return stage;
   });
 
+  result.openings = decide_openings(matching, cloud, options.complete_matching, progress);
   result.edge_optimisation =
       optimise_edges(matching.mesh, options.edge_optimisation, progress, matching.spanning_faces);
   if (options.intersection_repair.enabled) {
     FinishReport finish = finish_matching(matching, cloud.size(), cloud.spacing,
                                           options.intersection_repair, result.openings, progress);
     result.intersection_repair = std::move(finish.repair);
-    result.complete_matching.extra_vertices -= finish.removed_extra;
   }
+  result.complete_matching.extra_vertices =
+      extra_vertices_kept(matching.mesh, cloud.size(), matching.opening_faces);
   result.mesh = to_result(matching, cloud, points);
   drop_faces(result.mesh, matching.opening_faces);
   std::vector<Index>& remaining = result.intersection_repair.remaining_faces;

@@ -62,18 +62,6 @@ void drop_components_without_samples(SurfaceMesh& mesh, Index samples, Progress&
   mesh = SurfaceMesh::from_triangles(std::move(position), triangles, progress);
 }
 
-// Vertices from `samples` on that a face holds which is not to be dropped.
-Index extra_vertices_kept(const SurfaceMesh& mesh, Index samples,
-                          const std::vector<Index>& dropped_faces) {
-  std::vector<char> is_kept(static_cast<std::size_t>(mesh.vertex_slots() - samples), 0);
-  for (Index v = samples; v < mesh.vertex_slots(); ++v)
-    mesh.for_each_outgoing(v, [&](Index h) {
-      if (!std::binary_search(dropped_faces.begin(), dropped_faces.end(), SurfaceMesh::face(h)))
-        is_kept[v - samples] = 1;
-    });
-  return static_cast<Index>(std::count(is_kept.begin(), is_kept.end(), 1));
-}
-
 }  // namespace
 
 CompleteMatching retile(SurfaceMesh parametric, const PointCloud& cloud,
