@@ -123,6 +123,18 @@ TEST(FilterRuns, ChainToTheSurfaceOfANoisyCloudGivesTheBytesOfTheOneShot) {
   EXPECT_NE(one_shot.mesh.position, run(Filter::parametric_surface, control).mesh.position);
 }
 
+TEST(FilterRuns, ChainThatFillsNotchesGivesTheBytesOfTheOneShot) {
+  SampleDefects defects;
+  defects.noise = 0.4;
+  for (const unsigned seed : {1u, 5u}) {
+    FilterInput input;
+    input.points = in_single_precision(sample_shape(ShapeKind::hemisphere, 1500, seed, defects));
+    const ParameterValues open = {{"Openings", 1}};
+    expect_same_bytes(run(Filter::reconstruct, input, open).mesh,
+                      run_chain(input.points, open).mesh);
+  }
+}
+
 bool is_told(const FilterOutcome& outcome, const std::string& what) {
   return std::any_of(outcome.log.begin(), outcome.log.end(),
                      [&](const std::string& line) { return line.find(what) != std::string::npos; });
