@@ -10,8 +10,7 @@
 namespace shrinkwrap {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kLeastTurn = 0.1436 * kPi;  // of a notch: below, the border counts as straight
+constexpr double kLeastTurn = 0.1436 * kPi;  // of a notch, 26 degrees: below, borders are straight
 constexpr Index kLeastSamples = 4;           // of a border
 constexpr double kLeastCosine = 0.7;         // between the triangle and the faces around the sample
 constexpr double kLongestEdge = 4.0;         // x local spacing
@@ -129,10 +128,7 @@ class NotchFiller {
     while (flipped < edge_.size() && mesh_.is_flip_legal(edge_[flipped]))
       mesh_.flip(edge_[flipped++]);
     if (flipped == edge_.size()) return true;
-    while (flipped > 0) {
-      --flipped;
-      for (int turn = 0; turn < 3; ++turn) mesh_.flip(edge_[flipped]);  // four are the identity
-    }
+    while (flipped > 0) mesh_.flip_back(edge_[--flipped]);
     return false;
   }
 

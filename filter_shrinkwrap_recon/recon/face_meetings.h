@@ -66,12 +66,14 @@ bool FaceMeetings::find(const Triangle& t, Index slot, std::size_t most, const S
                         std::vector<Pair>& pairs) const {
   bool is_known = true;
   const std::size_t given = pairs.size();
-  tree_.for_each_overlap(tree_.box_of(mesh_.position, t), [&](Index g) {
-    if (!is_known || skip(g)) return;
+  tree_.any_near(mesh_.position, t, [&](Index g) {
+    if (skip(g)) return false;
     is_known = --tests_left_ >= 0;
-    if (!is_known || !test_.meet(t, mesh_.triangle(g))) return;
-    pairs.emplace_back(slot, g);
-    is_known = pairs.size() - given <= most;
+    if (is_known && test_.meet(t, mesh_.triangle(g))) {
+      pairs.emplace_back(slot, g);
+      is_known = pairs.size() - given <= most;
+    }
+    return !is_known;
   });
   tests_left_ = std::max<std::int64_t>(tests_left_, 0);
   return is_known;

@@ -1,7 +1,5 @@
 #include "finish_matching.h"
 
-#include <utility>
-
 #include "close_openings.h"
 
 namespace shrinkwrap {
@@ -17,15 +15,8 @@ FinishReport finish_matching(CompleteMatching& matching, Index samples, double s
     report.removed_extra = close_openings(matching, samples, progress);
     if (repair.faces_after > 0) {
       // Flips may part what is left now, and all faces have other indices.
-      RepairReport again =
-          repair_self_intersections(matching.mesh, options, progress, matching.opening_faces);
-      repair.after = again.after;
-      repair.faces_after = again.faces_after;
-      repair.remaining_faces = std::move(again.remaining_faces);
-      repair.flips += again.flips;
-      repair.relocated += again.relocated;
-      repair.rounds += again.rounds;
-      repair.tests += again.tests;
+      repair.add(
+          repair_self_intersections(matching.mesh, options, progress, matching.opening_faces));
     }
   }
   measure_openings(matching, spacing, openings);

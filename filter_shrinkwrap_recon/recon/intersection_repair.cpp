@@ -110,13 +110,15 @@ class Repair {
   // The faces at h have these pairs after the flip.
   void flip(Index h, const std::vector<Pair>& pairs) {
     mesh_.flip(h);
+    update(h, pairs);
+  }
+  void update(Index h, const std::vector<Pair>& pairs) {
     meetings_.update_boxes(faces_at(h, mesh_));
     meetings_.replace(faces_at(h, mesh_), pairs);
   }
   void flip_back(Index h, const std::vector<Pair>& pairs) {
-    // A quarter turn four times is no turn.
-    for (int i = 0; i < 2; ++i) mesh_.flip(h);
-    flip(h, pairs);
+    mesh_.flip_back(h);
+    update(h, pairs);
   }
   void keep(Index h) {
     ++flips_;

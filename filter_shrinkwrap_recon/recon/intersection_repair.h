@@ -2,6 +2,7 @@
 // change, and which faces have a sample between them.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "progress.h"
@@ -34,6 +35,17 @@ struct RepairReport {
   Index relocated = 0;  ///< samples
   int rounds = 0;
   std::int64_t tests = 0;  ///< of pairs of faces, after the first search
+
+  /// Of a further repair of the same mesh: what it left, and the work of both.
+  void add(RepairReport further) {
+    after = further.after;
+    faces_after = further.faces_after;
+    remaining_faces = std::move(further.remaining_faces);
+    flips += further.flips;
+    relocated += further.relocated;
+    rounds += further.rounds;
+    tests += further.tests;
+  }
 };
 
 /// Flips edges near faces that meet others while that lowers the number of pairs, or, at the same

@@ -22,7 +22,6 @@ constexpr double kGapOfHeight = 0.8, kDeviationOfHeight = 0.15;
 constexpr int kRingsGoneOn = 2;
 // x median spacing: no sample reaches farther than if it were so isolated.
 constexpr double kGreatestSpacing = 4.0;
-constexpr double kPi = 3.14159265358979323846;
 
 class OutlierSearch {
  public:

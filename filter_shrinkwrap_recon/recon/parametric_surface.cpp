@@ -16,7 +16,6 @@ namespace {
 constexpr Index kProbeGrain = 256, kLeastProbes = 20000, kMostStride = 16;
 constexpr Index kGrain = 1 << 11;
 constexpr Index kTableSize = 64;
-constexpr double kPi = 3.14159265358979323846;
 // Tangential weight of a vertex that no sample holds.
 constexpr double kMembraneRelaxation = 0.3;
 

@@ -16,7 +16,6 @@ namespace shrinkwrap {
 namespace {
 
 constexpr Index kGrain = 1 << 14;
-constexpr double kPi = 3.14159265358979323846;
 
 // Positions in the input of the finite points.
 std::vector<Index> finite_points(const std::vector<Vec3>& points, Progress& progress) {

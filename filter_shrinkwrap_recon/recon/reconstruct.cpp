@@ -225,7 +225,6 @@ void match_smoothed(PointCloud& cloud, const std::vector<Vec3>& points, const No
                     ReconstructionOptions options, Reconstruction& result, Progress& progress) {
   StageLog log(result, options);
   options.stop_at_parametric_surface = true;
-  options.parametric_surface.fine_enough = 0.0;
   progress.begin(Stage::orientation);
   smooth_for_noise(cloud, noise, options, result.orientation, progress);
   log.add(Stage::orientation, cloud.size());
@@ -349,7 +348,6 @@ CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
   if (report.noise.median > options.noise.high && options.initial_mesh.second_voxel_ratio > 0.0)
     options.initial_mesh.second_voxel_ratio = options.noise.second_voxel_ratio;
   if (!options.stop_at_parametric_surface) return report;
-  options.parametric_surface.fine_enough = 0.0;
   if (may_smooth && report.noise.median > options.denoising.from)
     report.denoising = smooth_for_noise(cloud, report.noise, options, report.orientation, progress);
   return report;
@@ -361,8 +359,9 @@ FittedSurface fit_surface(SurfaceMesh control, const PointCloud& cloud,
   const bool is_last = options.stop_at_parametric_surface;
   progress.begin(Stage::parametric_surface);
   if (is_last) progress.set_part(0.0, 0.8);
-  result.surface =
-      make_parametric_surface(std::move(control), cloud, options.parametric_surface, progress);
+  ParametricSurfaceOptions parametric = options.parametric_surface;
+  if (is_last) parametric.fine_enough = 0.0;  // as fine as samples would make it
+  result.surface = make_parametric_surface(std::move(control), cloud, parametric, progress);
   SurfaceMesh& mesh = result.surface.mesh;
   round_to_host(mesh, cloud.frame, options.host_scalar);
   if (!is_last) return result;

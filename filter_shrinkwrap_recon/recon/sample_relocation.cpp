@@ -82,8 +82,7 @@ class Relocation {
   }
   std::vector<Index> undo() {
     for (; !flipped_.empty(); flipped_.pop_back()) {
-      // A quarter turn four times is no turn.
-      for (int i = 0; i < 3; ++i) mesh_.flip(flipped_.back());
+      mesh_.flip_back(flipped_.back());
       update_boxes(flipped_.back());
     }
     return {};

@@ -134,6 +134,11 @@ class SurfaceMesh {
   /// many splits can be laid out beforehand).
   void split_face_into(Index f, Index v, Index g, Index k);
 
+  /// Undoes `flip(h)`: a quarter turn four times is no turn.
+  void flip_back(Index h) {
+    for (int turn = 0; turn < 3; ++turn) flip(h);
+  }
+
   /// True if the three faces around a vertex may become one: it has valence 3, and the mesh is no
   /// tetrahedron there.
   bool is_move_legal(Index v) const;

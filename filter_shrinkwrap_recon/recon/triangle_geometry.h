@@ -10,7 +10,7 @@
 
 namespace shrinkwrap {
 
-constexpr double kHalfPi = 1.57079632679489661923;
+constexpr double kHalfPi = 0.5 * kPi;
 
 /// The vector at unit length; zero stays zero.
 inline Vec3 unit_or_zero(const Vec3& vector) {

@@ -12,6 +12,8 @@
 
 namespace shrinkwrap {
 
+constexpr double kPi = 3.14159265358979323846;
+
 using Vec3 = Eigen::Vector3d;
 using Vec3f = Eigen::Vector3f;
 

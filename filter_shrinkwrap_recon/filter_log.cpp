@@ -1,0 +1,181 @@
+#include "filter_log.h"
+
+#include <cstdio>
+
+namespace shrinkwrap {
+
+std::string count_of(Index count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+std::string count_of(Index count, const std::string& one, const std::string& several) {
+  return std::to_string(count) + " " + (count == 1 ? one : several);
+}
+
+std::string formatted(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+std::string table_row(const std::string& stage, Index vertices, double seconds) {
+  char text[128];
+  std::snprintf(text, sizeof text, "%-20s %10d vertices %10.3f s", stage.c_str(),
+                static_cast<int>(vertices), seconds);
+  return text;
+}
+
+std::string conditioning_line(const ConditioningReport& report, double spacing) {
+  return std::to_string(report.given) + " points: " + std::to_string(report.not_finite) +
+         " not finite and " + std::to_string(report.duplicates) + " duplicates left out; " +
+         std::to_string(report.distinct) + " samples, median spacing " + formatted("%.6g", spacing);
+}
+
+std::string verdict_of(const MeshReport& report) {
+  std::string text =
+      report.closed() ? "closed" : "open (" + count_of(report.border_loops, "border") + ")";
+  if (report.manifold())
+    text += " 2-manifold of genus " + std::to_string(report.genus);
+  else
+    text += ", NOT a 2-manifold";
+  text += ", " + count_of(report.components, "component") + "; " +
+          std::to_string(report.samples_matched) + " of " + std::to_string(report.samples) +
+          " samples matched";
+  if (report.vertices_extra > 0)
+    text +=
+        ", " + count_of(report.vertices_extra, "extra vertex", "extra vertices") + " beside them";
+  if (report.self_intersecting_faces >= 0)
+    text += "; " + count_of(report.self_intersecting_faces, "self-intersecting face");
+  return text;
+}
+
+std::string repair_line(const RepairReport& report) {
+  return "Self-intersections repaired: " + count_of(report.faces_before, "face") + " met others, " +
+         std::to_string(report.faces_after) + " still do, after " +
+         count_of(report.flips, "edge flip") +
+         (report.relocated > 0 ? " and " + count_of(report.relocated, "relocated sample") : "");
+}
+
+std::string relaxation_line(const RelaxationReport& report) {
+  return "Self-intersections smoothed away: " + count_of(report.faces_before, "face") +
+         " met others, " + std::to_string(report.faces_after) + " still do, after " +
+         count_of(report.moved, "vertex", "vertices") + " moved" +
+         (report.flips > 0
+              ? " and " + count_of(report.flips, "flip or relocation", "flips and relocations")
+              : "");
+}
+
+std::string surface_verdict(const char* what, const SurfaceMesh& mesh) {
+  return kSucceeded + std::string(what) + ", " + std::to_string(mesh.vertex_count()) +
+         " vertices, " + std::to_string(mesh.face_count()) + " faces, Euler characteristic " +
+         std::to_string(mesh.euler_characteristic());
+}
+
+void warn_of(const OrientationReport& report, std::vector<std::string>& warnings) {
+  if (report.undecided_components > 0)
+    warnings.push_back(
+        count_of(report.undecided_components, "part") +
+        " of the cloud cannot be seen from outside: which side of them is outside is a guess.");
+}
+
+void tell_of_noise(double noise, const DenoisingReport& denoising,
+                   const ReconstructionOptions& options, FilterOutcome& outcome) {
+  outcome.figures["noise"] = noise;
+  outcome.log.push_back("noise of the samples: about " + formatted("%.2f", noise) + " spacings");
+  if (denoising.moved > 0)
+    outcome.log.push_back("noise smoothed: " + count_of(denoising.moved, "sample") + " moved by " +
+                          formatted("%.2f", denoising.mean_displacement) +
+                          " spacings in the mean, " +
+                          formatted("%.2f", denoising.max_displacement) + " at most");
+  if (noise > options.noise.high && !options.stop_at_parametric_surface)
+    outcome.warnings.push_back(
+        "The samples are noisy, by about " + formatted("%.2f", noise) +
+        " of their spacing: a mesh through every one of them is rough. Stop at the parametric "
+        "surface (StopAtParametricSurface) for a smooth one near them.");
+}
+
+void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings) {
+  if (report.samples_with_solid_behind < 0.999)
+    warnings.push_back(formatted("%.2f", 100.0 * (1.0 - report.samples_with_solid_behind)) +
+                       " % of the samples have no solid behind them: walls may be thinner than the "
+                       "cloud resolves.");
+  if (report.handles_refuted > 0)
+    warnings.push_back(count_of(report.handles_refuted, "handle") +
+                       " of the first solid left out: one of voxels of " +
+                       formatted("%.2f", report.voxel_size) +
+                       " spacings, which was taken in its place, does not have " +
+                       (report.handles_refuted == 1 ? "it." : "them."));
+  if (report.handles_cut > 0)
+    warnings.push_back(count_of(report.handles_cut, "handle") +
+                       " cut to keep to the greatest genus asked for.");
+  if (report.dropped > 0)
+    warnings.push_back(
+        count_of(report.dropped, "small body or cavity", "small bodies or cavities") +
+        " left out: see MinComponentSamples.");
+}
+
+std::string notches_filled(Index count) {
+  return count_of(count, "notch", "notches") + " of their borders filled";
+}
+
+void tell_of(const SmoothingReport& report, FilterOutcome& outcome) {
+  if (!report.is_tried) return;
+  const auto faults = [](Index count) {
+    return count_of(count, "fault") + " (faces that meet others, vertices without a sample)";
+  };
+  outcome.log.push_back(
+      report.is_taken
+          ? "Noise: the surface was smoothed for it before the samples were matched, which "
+            "leaves " +
+                faults(report.faults_with) + " instead of " + std::to_string(report.faults_without)
+          : "Noise: a surface smoothed for it was tried, but leaves " + faults(report.faults_with) +
+                " instead of " + std::to_string(report.faults_without));
+}
+
+std::string openings_line(const OpeningsReport& report) {
+  std::string line = "Openings: ";
+  if (report.spanned > 0)
+    line += std::to_string(report.spanned) + " spanned (longest edge " +
+            formatted("%.1f", report.longest_edge) + " spacings; face quality above 0)";
+  if (report.left_open > 0)
+    line += (report.spanned > 0 ? ", " : "") + std::to_string(report.left_open) + " left open";
+  if (report.notches_filled > 0) line += " (" + notches_filled(report.notches_filled) + ")";
+  return line;
+}
+
+void warn_of(const CompleteMatchingReport& report, std::vector<std::string>& warnings) {
+  if (report.max_foot_distance > 2.0)
+    warnings.push_back("A sample lies " + formatted("%.1f", report.max_foot_distance) +
+                       " spacings from the parametric surface: look at the mesh there.");
+  if (report.extra_vertices > 0)
+    warnings.push_back(count_of(report.extra_vertices, "vertex", "vertices") +
+                       " without a sample span openings and could not be removed without harm.");
+}
+
+void warn_of_intersections(Index faces_left, std::vector<std::string>& warnings) {
+  if (faces_left > 0)
+    warnings.push_back(count_of(faces_left, "face") +
+                       " could not be parted from others that they meet: they are selected.");
+}
+
+void tell_of(const OutlierReport& report, FilterOutcome& outcome) {
+  const Index count = static_cast<Index>(report.input_index.size());
+  outcome.figures["outliers"] = count;
+  if (count > 0)
+    outcome.warnings.push_back(
+        count_of(count, "outlier") +
+        " left out of the surface: points that lie apart from the rest. Switch ExcludeOutliers off "
+        "to keep them.");
+  else if (report.suspected > 0)
+    outcome.warnings.push_back(
+        count_of(report.suspected, "sample") +
+        " seem stray, which is too many: none is left out. Remove by hand what is no part of the "
+        "surface.");
+}
+
+std::string but_outliers(const OutlierReport& report) {
+  if (report.input_index.empty()) return "";
+  return "; every sample but the " +
+         count_of(static_cast<Index>(report.input_index.size()), "outlier") + " left out";
+}
+
+}  // namespace shrinkwrap

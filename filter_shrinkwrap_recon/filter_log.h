@@ -1,0 +1,47 @@
+// What filters say: lines of the log, and warnings where the result keeps the promise but may not
+// be what the user wants.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "filter_runs.h"
+
+namespace shrinkwrap {
+
+/// "1 face", "3 faces"; the second form for nouns with another plural.
+std::string count_of(Index count, const std::string& noun);
+std::string count_of(Index count, const std::string& one, const std::string& several);
+
+/// One number by a printf format of less than 64 characters.
+std::string formatted(const char* format, double value);
+
+// Lines.
+std::string table_row(const std::string& stage, Index vertices, double seconds);
+std::string conditioning_line(const ConditioningReport& report, double spacing);
+std::string repair_line(const RepairReport& report);
+std::string relaxation_line(const RelaxationReport& report);
+std::string openings_line(const OpeningsReport& report);
+
+// Parts of lines.
+std::string notches_filled(Index count);
+std::string verdict_of(const MeshReport& report);
+std::string but_outliers(const OutlierReport& report);
+
+/// The verdict of a stage that makes a surface.
+std::string surface_verdict(const char* what, const SurfaceMesh& mesh);
+
+void warn_of(const OrientationReport& report, std::vector<std::string>& warnings);
+void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings);
+void warn_of(const CompleteMatchingReport& report, std::vector<std::string>& warnings);
+void warn_of_intersections(Index faces_left, std::vector<std::string>& warnings);
+
+/// How noisy the samples are, what was done about it, and what would suit them better.
+void tell_of_noise(double noise, const DenoisingReport& denoising,
+                   const ReconstructionOptions& options, FilterOutcome& outcome);
+/// What came of the second attempt at a noisy cloud.
+void tell_of(const SmoothingReport& report, FilterOutcome& outcome);
+/// How many samples were left out as outliers.
+void tell_of(const OutlierReport& report, FilterOutcome& outcome);
+
+}  // namespace shrinkwrap
