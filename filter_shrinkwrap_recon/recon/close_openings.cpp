@@ -21,23 +21,27 @@ class OpeningCloser {
  public:
   OpeningCloser(SurfaceMesh& mesh, Index first_extra, const std::vector<Index>& opening_faces,
                 Progress& progress)
-      : mesh_(mesh), pairs_(mesh.position), spans_(mesh.face_slots(), 0) {
-    for (Index f = 0; f < mesh.face_slots(); ++f) {
-      const Triangle t = mesh.triangle(f);
-      if (std::max({t[0], t[1], t[2]}) >= first_extra) spans_[f] = 1;
-    }
+      : mesh_(mesh),
+        first_extra_(first_extra),
+        pairs_(mesh.position),
+        is_open_(mesh.face_slots(), 0),
+        spans_(mesh.face_slots(), 0) {
+    for (const Index f : opening_faces) is_open_[f] = 1;
     const Index count = mesh.vertex_slots() - first_extra;
-    std::vector<char> stays(static_cast<std::size_t>(count), 0);
-    for (const Index f : opening_faces) {
-      spans_[f] = 0;
-      for (const Index v : mesh.triangle(f))
-        if (v >= first_extra) stays[v - first_extra] = 1;
+    std::vector<char> is_dropped(static_cast<std::size_t>(count), 1);
+    for (Index f = 0; f < mesh.face_slots(); ++f) {
+      if (is_open_[f]) continue;
+      for (const Index v : mesh.triangle(f)) {
+        if (v < first_extra) continue;
+        spans_[f] = 1;
+        is_dropped[v - first_extra] = 0;
+      }
     }
     // Every other one first, then every other one of the rest, and so on; the first of all last.
     for (Index step = 1; step <= count; step *= 2)
       for (Index i = step; i < count; i += 2 * step)
-        if (!stays[i]) pending_.push_back(first_extra + i);
-    if (count > 0 && !stays[0]) pending_.push_back(first_extra);
+        if (!is_dropped[i]) pending_.push_back(first_extra + i);
+    if (count > 0 && !is_dropped[0]) pending_.push_back(first_extra);
     if (!pending_.empty()) boxes_ = BoxTree(mesh.position, mesh.triangles(), progress);
   }
 
@@ -69,6 +73,7 @@ class OpeningCloser {
  private:
   bool try_remove(Index v, bool may_turn) {
     rating_.gather(mesh_, v);
+    if (is_at_border()) return try_remove_at_border(v);
     rating_.rate(mesh_, v);
     while (true) {
       CollapseRating::Candidate& best = rating_.cheapest();
@@ -82,6 +87,61 @@ class OpeningCloser {
     }
   }
 
+  bool is_at_border() const {
+    return std::any_of(rating_.halfedges().begin(), rating_.halfedges().end(),
+                       [&](Index h) { return is_open_[SurfaceMesh::face(h)] != 0; });
+  }
+
+  // Into the nearest neighbour that leaves the borders simple loops.
+  bool try_remove_at_border(Index v) {
+    targets_.clear();
+    for (const Index h : rating_.halfedges())
+      if (!is_open_[SurfaceMesh::face(h)] || !is_open_[SurfaceMesh::face(mesh_.twin(h))])
+        targets_.emplace_back((mesh_.position[mesh_.target(h)] - mesh_.position[v]).squaredNorm(),
+                              h);
+    std::sort(targets_.begin(), targets_.end());
+    for (const auto& [length, h] : targets_) {
+      if (!mesh_.is_collapse_legal(h) || !keeps_borders(h) || fan_cuts(h)) continue;
+      collapse(h);
+      return true;
+    }
+    return false;
+  }
+
+  // Whether after a collapse each vertex concerned has one fan of faces that stay, and each sample
+  // at least one such face.
+  bool keeps_borders(Index halfedge) {
+    const Index opposite = mesh_.twin(halfedge);
+    const Index first = SurfaceMesh::face(halfedge), second = SurfaceMesh::face(opposite);
+    const auto add_fans = [&](Index h) {
+      const Index begin = h;
+      do {
+        const Index f = SurfaceMesh::face(h);
+        if (f != first && f != second) ring_.push_back(is_open_[f]);
+        h = mesh_.rotate(h);
+      } while (h != begin);
+    };
+    const auto is_one_fan = [&](Index v) {
+      Index begins = 0, stay = 0;
+      for (std::size_t i = 0; i < ring_.size(); ++i) {
+        begins += !ring_[i] && ring_[i > 0 ? i - 1 : ring_.size() - 1];
+        stay += !ring_[i];
+      }
+      return begins <= 1 && (stay > 0 || v >= first_extra_);
+    };
+    // Around the vertex that stays, the faces of the other come between its own.
+    ring_.clear();
+    add_fans(halfedge);
+    add_fans(opposite);
+    if (!is_one_fan(mesh_.target(halfedge))) return false;
+    for (const Index h : {SurfaceMesh::prev(halfedge), SurfaceMesh::prev(opposite)}) {
+      ring_.clear();
+      add_fans(h);
+      if (!is_one_fan(mesh_.origin(h))) return false;
+    }
+    return true;
+  }
+
   // Whether the faces that a collapse makes cut anything but those that it removes.
   bool fan_cuts(Index halfedge) {
     const Index apex = mesh_.target(halfedge);
@@ -90,7 +150,7 @@ class OpeningCloser {
     for (const Index h : rating_.halfedges()) {
       replaced_.push_back(SurfaceMesh::face(h));
       const Index p = mesh_.target(h), q = mesh_.opposite(h);
-      if (p != apex && q != apex) fresh_.push_back({apex, p, q});
+      if (p != apex && q != apex && !is_open_[SurfaceMesh::face(h)]) fresh_.push_back({apex, p, q});
     }
     return fresh_cuts();
   }
@@ -104,7 +164,7 @@ class OpeningCloser {
     return fresh_cuts();
   }
 
-  // Whether the fresh faces meet each other, or any but those that they replace.
+  // Whether the fresh faces meet each other, or any that stays but those that they replace.
   bool fresh_cuts() {
     for (std::size_t i = 0; i < fresh_.size(); ++i) {
       if (is_degenerate(fresh_[i])) return true;
@@ -112,7 +172,7 @@ class OpeningCloser {
         if (pairs_.meet(fresh_[i], fresh_[j])) return true;
     }
     const auto is_replaced = [&](Index f) {
-      return mesh_.is_removed_face(f) ||
+      return mesh_.is_removed_face(f) || is_open_[f] ||
              std::find(replaced_.begin(), replaced_.end(), f) != replaced_.end();
     };
     for (const Triangle& t : fresh_)
@@ -178,14 +238,18 @@ class OpeningCloser {
   }
 
   SurfaceMesh& mesh_;
+  Index first_extra_;
   TrianglePairs pairs_;
   BoxTree boxes_;               // of the faces as they are
+  std::vector<char> is_open_;   // per face slot: it is dropped at the end, and in nobody's way
   std::vector<char> spans_;     // per face slot
   std::vector<Index> pending_;  // extra vertices
   CollapseRating rating_;
   std::vector<Triangle> fresh_;  // faces that an operation would make ...
   std::vector<Index> replaced_;  // ... in place of these
   std::vector<Index> stack_;
+  std::vector<char> ring_;                              // is_open_ of the faces around a vertex
+  std::vector<std::pair<double, Index>> targets_;       // length of a half-edge
   std::vector<std::tuple<double, Index, Index>> ears_;  // length of the diagonal, half-edge, corner
 };
 

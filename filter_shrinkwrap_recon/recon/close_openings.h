@@ -11,11 +11,12 @@ namespace shrinkwrap {
 /// nothing, so that the vertices around an opening span it; the edges among the new faces are
 /// flipped to Delaunay under the same condition. Vertices go in an order that thins them out
 /// evenly, so that faces grow evenly too; one that no collapse removes loses edges by flips first.
-/// One that cannot go without harm stays, and so do those of `opening_faces`.
-/// Returns, per face slot, whether the face spans an opening. Near-linear in the vertices removed
-/// and the length of the rim.
-/// Pre: no removed slots. Post: closed 2-manifold
-/// of the same topology; no other face has changed.
+/// One that cannot go without harm stays. The `opening_faces` are to be dropped: they are in
+/// nobody's way, and only what stays is looked at; a vertex at the border goes to its nearest
+/// neighbour that leaves the borders simple loops, and each sample a face. Returns, per face slot,
+/// whether the face spans an opening. Near-linear in the vertices removed and the length of the
+/// rim. Pre: no removed slots. Post: closed 2-manifold of the same topology; no other face has
+/// changed.
 std::vector<char> close_openings(SurfaceMesh& mesh, Index first_extra, Progress& progress,
                                  const std::vector<Index>& opening_faces = {});
 

@@ -9,12 +9,16 @@ namespace shrinkwrap {
 namespace {
 
 constexpr Index kGrain = 1 << 11;
+constexpr double kFar = 1.1;  // x `high`: beyond, all distances are alike
 
-// Per vertex: its distance from the samples in spacings, or 0 where a foot nearby shows that it is
-// at most `low`.
+// Per vertex: its distance from the samples of its own side in spacings, at most a little more than
+// `high`, or 0 where that is at most `low`. (The back of a sheet may be near its samples.)
 std::vector<float> distances_above(const SurfaceMesh& surface, const SampleFeet& feet,
-                                   const PointCloud& cloud, double low, Progress& progress) {
+                                   const PointCloud& cloud, double low, double high,
+                                   Progress& progress) {
   std::vector<float> distance(surface.position.size(), 0.0f);
+  // Planes through all the samples there are tell no side.
+  const bool has_sides = cloud.size() > cloud.neighbour_count;
   parallel_for_each(surface.vertex_slots(), kGrain, progress, [&](Index v) {
     const Vec3& p = surface.position[v];
     // The nearest sample is no farther than any other, and its own spacing at least the median.
@@ -23,14 +27,25 @@ std::vector<float> distances_above(const SurfaceMesh& surface, const SampleFeet&
     Index h = first;
     do {
       const Index f = SurfaceMesh::face(h);
-      for (Index i = feet.begin[f]; i < feet.begin[f + 1]; ++i)
-        if ((cloud.position[feet.by_face[i]] - p).squaredNorm() <= enough) return;
+      for (Index k = feet.begin[f]; k < feet.begin[f + 1]; ++k) {
+        const Index i = feet.by_face[k];
+        if ((cloud.position[i] - p).squaredNorm() <= enough &&
+            (!has_sides || surface.area_vector(f).dot(cloud.normal[i].cast<double>()) > 0.0))
+          return;
+      }
       h = surface.rotate(h);
     } while (h != first);
-    const VoxelSearch::Hit hit = cloud.search.nearest(p);
+    const Vec3f normal = surface.vertex_normal(v).cast<float>();
+    const auto is_compatible = [&](Index i) {
+      return !has_sides || cloud.normal[i].dot(normal) > 0.0f;
+    };
+    VoxelSearch::Hit hit = cloud.search.nearest(p);
     const double spacing =
         std::max(cloud.spacing, static_cast<double>(cloud.local_spacing[hit.index]));
-    const double spacings = std::sqrt(hit.squared_distance) / spacing;
+    const double far = kFar * high * spacing;
+    if (!is_compatible(hit.index)) hit = cloud.search.nearest_if(p, far, is_compatible);
+    const double spacings =
+        hit.index == kNone ? kFar * high : std::sqrt(hit.squared_distance) / spacing;
     if (spacings > low) distance[v] = static_cast<float>(spacings);
   });
   return distance;
@@ -40,7 +55,7 @@ std::vector<float> distances_above(const SurfaceMesh& surface, const SampleFeet&
 
 Membranes find_membranes(const SurfaceMesh& surface, const SampleFeet& feet,
                          const PointCloud& cloud, double low, double high, Progress& progress) {
-  const std::vector<float> distance = distances_above(surface, feet, cloud, low, progress);
+  const std::vector<float> distance = distances_above(surface, feet, cloud, low, high, progress);
   Membranes membranes;
   std::vector<Index> stack;
   for (Index seed = 0; seed < surface.vertex_slots(); ++seed) {
