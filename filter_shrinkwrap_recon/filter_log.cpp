@@ -117,18 +117,17 @@ std::string notches_filled(Index count) {
   return count_of(count, "notch", "notches") + " of their borders filled";
 }
 
-void tell_of(const SmoothingReport& report, FilterOutcome& outcome) {
-  if (!report.is_tried) return;
-  const auto faults = [](Index count) {
-    return count_of(count, "fault") + " (faces that meet others, vertices without a sample)";
+void tell_of_attempts(const Reconstruction& result, FilterOutcome& outcome) {
+  const auto tell = [&](const SecondAttempt& attempt, const char* what) {
+    if (!attempt.is_made) return;
+    outcome.log.push_back(what + count_of(attempt.faults, "faulty face") + " instead of " +
+                          std::to_string(attempt.faults_before) + ", and was " +
+                          (attempt.is_taken ? "taken" : "not taken") +
+                          " (faces that meet others, or have a corner that is no sample).");
   };
-  outcome.log.push_back(
-      report.is_taken
-          ? "Noise: the surface was smoothed for it before the samples were matched, which "
-            "leaves " +
-                faults(report.faults_with) + " instead of " + std::to_string(report.faults_without)
-          : "Noise: a surface smoothed for it was tried, but leaves " + faults(report.faults_with) +
-                " instead of " + std::to_string(report.faults_without));
+  tell(result.backs,
+       "Sheets: a second attempt that took their backs, where no sample is, for openings leaves ");
+  tell(result.smoothing, "Noise: a second attempt with a surface that was smoothed for it leaves ");
 }
 
 std::string openings_line(const OpeningsReport& report) {

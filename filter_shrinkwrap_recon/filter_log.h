@@ -39,8 +39,8 @@ void warn_of_intersections(Index faces_left, std::vector<std::string>& warnings)
 /// How noisy the samples are, what was done about it, and what would suit them better.
 void tell_of_noise(double noise, const DenoisingReport& denoising,
                    const ReconstructionOptions& options, FilterOutcome& outcome);
-/// What came of the second attempt at a noisy cloud.
-void tell_of(const SmoothingReport& report, FilterOutcome& outcome);
+/// What came of second attempts, if any were made.
+void tell_of_attempts(const Reconstruction& result, FilterOutcome& outcome);
 /// How many samples were left out as outliers.
 void tell_of(const OutlierReport& report, FilterOutcome& outcome);
 

@@ -12,6 +12,7 @@ using Kind = Parameter::Kind;
 constexpr char kMethod[] = "Method";
 constexpr char kStopAtSurface[] = "StopAtParametricSurface";
 constexpr char kSmoothForNoise[] = "SmoothForNoise";
+constexpr char kBacksAreOpenings[] = "BacksAreOpenings";
 constexpr char kOpenings[] = "Openings";
 constexpr char kSelectedOnly[] = "SelectedOnly";
 constexpr char kExcludeOutliers[] = "ExcludeOutliers";
@@ -117,6 +118,14 @@ Parameter smooth_for_noise() {
                  "surface for it, as the whole method does where it stops at the parametric "
                  "surface, and where its log says so. Choose the same in the filters Initial Mesh, "
                  "Parametric Surface and Complete Matching.");
+}
+
+Parameter backs_are_openings() {
+  return advanced(
+      boolean(kBacksAreOpenings, "Backs of sheets are openings", false,
+              "Take the back of a sheet, such as a patch of terrain or one view of a depth camera, "
+              "for an opening even where it is near the points, as the whole method does where its "
+              "log says so."));
 }
 
 Parameter openings() {
@@ -405,6 +414,7 @@ std::vector<Parameter> parameters_of(Filter filter) {
               exclude_outliers(),
               method(),
               smooth_for_noise(),
+              backs_are_openings(),
               openings(),
               neighbours()};
       break;
@@ -458,6 +468,7 @@ FilterRequest request_of(Filter filter, const ParameterValues& values) {
 
   reader.read(kStopAtSurface, options.stop_at_parametric_surface);
   reader.read(kSmoothForNoise, options.stop_at_parametric_surface);
+  reader.read(kBacksAreOpenings, options.complete_matching.backs_are_openings);
   reader.read(kExcludeOutliers, options.outliers.exclude);
   reader.read(kKeepStages, options.keep_stages);
   reader.read(kThreads, options.threads);

@@ -94,7 +94,7 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   outcome.figures["seconds_total"] = total;
   outcome.log.push_back(table_row("total", static_cast<Index>(result.mesh.position.size()), total));
   for (std::string& line : describe(result.report)) outcome.log.push_back(std::move(line));
-  tell_of(result.smoothing, outcome);
+  tell_of_attempts(result, outcome);
   outcome.log.push_back(kSucceeded + verdict_of(result.report) + but_outliers(result.outliers));
   tell_of(result.outliers, outcome);
   outcome.outliers = outlier_layer(result.outliers, input.points);

@@ -328,11 +328,12 @@ class Sheet : public ::testing::Test {
       if (p.z() > 0.0) points.push_back({p.x(), p.y(), kFlatness * p.z()});
     return points;
   }
-  CompleteMatching match_with(Openings openings) {
+  CompleteMatching match_with(Openings openings, bool backs_are_openings = true) {
     SurfaceMesh lens = testing::icosphere(4);
     for (Vec3& p : lens.position) p.z() *= kFlatness;
     CompleteMatchingOptions options;
     options.openings = openings;
+    options.backs_are_openings = backs_are_openings;
     return match(cloud_, lens, options);
   }
   PointCloud cloud_ = cloud_of(front());
@@ -340,8 +341,13 @@ class Sheet : public ::testing::Test {
 
 TEST_F(Sheet, HasABackThatNoSampleHoldsHoweverNear) {
   ASSERT_GT(cloud_.normal[0].z(), 0.0f);
+  const CompleteMatching both = match_with(Openings::leave_open, false);
+  EXPECT_EQ(both.report.membranes, 0);
+  EXPECT_GT(both.report.backs, 500);
+  EXPECT_TRUE(both.opening_faces.empty());
   const CompleteMatching open = match_with(Openings::leave_open);
   EXPECT_EQ(open.report.membranes, 1);
+  EXPECT_EQ(open.report.backs, 0);
   EXPECT_GT(open.opening_faces.size(), 100u);
   Index front = 0, back = 0;  // at the rim the surface turns
   for (Index f = 0; f < open.mesh.face_slots(); ++f)

@@ -150,6 +150,17 @@ TEST(FilterRuns, ChainThroughTheSamplesOfANoisyCloudGivesTheBytesOfTheOneShot) {
   expect_same_bytes(one_shot.mesh, run_chain(input.points, {{"SmoothForNoise", 1}}).mesh);
 }
 
+TEST(FilterRuns, ChainOverASheetGivesTheBytesOfTheOneShot) {
+  FilterInput input;
+  input.points = in_single_precision(sample_strip(600, 4));
+  for (const double openings : {0.0, 1.0, 2.0}) {
+    const FilterOutcome one_shot = run(Filter::reconstruct, input, {{"Openings", openings}});
+    ASSERT_TRUE(is_told(one_shot, "and was taken"));
+    const ParameterValues chain = {{"Openings", openings}, {"BacksAreOpenings", 1}};
+    expect_same_bytes(one_shot.mesh, run_chain(input.points, chain).mesh);
+  }
+}
+
 TEST(FilterRuns, NoiseAndWhatWasSmoothedAreTold) {
   SampleDefects defects;
   defects.noise = 0.6;

@@ -86,6 +86,31 @@ TEST(Reconstruct, AnOpeningIsClosedOrLeft) {
   EXPECT_EQ(open.report.samples_missing, 0);
 }
 
+// The solid behind a narrow sheet is thin: its back is near the samples, and would cut the front.
+TEST(Reconstruct, ASheetHasOneSide) {
+  ReconstructionOptions options;
+  options.complete_matching.openings = CompleteMatchingOptions::Openings::leave_open;
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    SCOPED_TRACE(seed);
+    const std::vector<Vec3> points = sample_strip(600, seed);
+    const Reconstruction open = reconstruct_silently(points, options);
+    EXPECT_TRUE(open.backs.is_taken);
+    EXPECT_GT(open.backs.faults_before, 10);
+    EXPECT_EQ(open.backs.faults, 0);
+    EXPECT_EQ(open.mesh.position, points);
+    EXPECT_TRUE(open.report.manifold());
+    EXPECT_EQ(open.report.border_loops, 1);
+    EXPECT_EQ(open.report.components, 1);
+    EXPECT_EQ(open.report.self_intersecting_faces, 0);
+
+    const Reconstruction closed = reconstruct_silently(points);
+    EXPECT_TRUE(closed.backs.is_taken);
+    EXPECT_TRUE(closed.report.closed() && closed.report.manifold());
+    EXPECT_EQ(closed.report.samples_missing, 0);
+    EXPECT_EQ(closed.report.self_intersecting_faces, 0);
+  }
+}
+
 TEST(Reconstruct, TablesOfThePaper) {
   // Box, control mesh and parametric surface of tables 1 and 2 for their two sample counts.
   for (const auto& [samples, initial, control, parametric] :

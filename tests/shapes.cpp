@@ -346,6 +346,18 @@ std::vector<Vec3> sample_sphere_on_scan_lines(Index count, unsigned seed) {
   return points;
 }
 
+std::vector<Vec3> sample_strip(Index count, unsigned seed) {
+  constexpr Index kWidth = 10;
+  Random random(seed);
+  std::vector<Vec3> points;
+  for (Index i = 0; i < count; ++i) {
+    const double x = i / kWidth + random.uniform(-0.3, 0.3),
+                 y = i % kWidth + random.uniform(-0.3, 0.3);
+    points.push_back({x, y, 0.6 * std::sin(0.4 * x) * std::cos(0.5 * y)});
+  }
+  return points;
+}
+
 SurfaceMesh icosphere(int subdivisions) {
   const double golden = 0.5 * (1.0 + std::sqrt(5.0));
   std::vector<Vec3> position;

@@ -109,6 +109,10 @@ std::vector<Vec3> sample_shape_blue_noise(ShapeKind kind, Index count, unsigned 
 /// line.
 std::vector<Vec3> sample_sphere_on_scan_lines(Index count, unsigned seed);
 
+/// A strip of uneven ground, some 10 samples wide, seen from above: `count` samples about one unit
+/// apart.
+std::vector<Vec3> sample_strip(Index count, unsigned seed);
+
 /// The unit sphere as an icosahedron whose faces were split into four `subdivisions` times:
 /// 10 * 4^subdivisions + 2 vertices.
 SurfaceMesh icosphere(int subdivisions);

@@ -25,15 +25,20 @@ struct CompleteMatchingOptions {
   double widest_opening = 30.0;  ///< automatic: longest edge of the faces that span, x spacing
   double membrane_low = 2.0;     ///< x spacing: farther vertices belong to a membrane ...
   double membrane_high = 4.0;    ///< x spacing: ... if they are connected to one at least this far
+  /// Distances are those from the samples of a vertex's own side: the back of a sheet, which no
+  /// sample is on, is an opening however near the samples are. Thin walls whose two sides were not
+  /// told apart then become sheets.
+  bool backs_are_openings = false;
 };
 
 struct CompleteMatchingReport {
   double mean_foot_distance = 0.0;  ///< of the samples from the parametric surface, x spacing
   double max_foot_distance = 0.0;   ///< x spacing: above 2 the start was wrong somewhere
   Index membranes = 0;              ///< openings that were spanned or left open
-  Index notches_filled = 0;         ///< triangles that straighten the borders of those left open
-  Index forced_removals = 0;        ///< removals that had to turn a face
-  Index extra_vertices = 0;  ///< vertices that are no sample and could not be removed without harm
+  Index backs = 0;            ///< vertices of the surface on the back of sheets, and of no membrane
+  Index notches_filled = 0;   ///< triangles that straighten the borders of those left open
+  Index forced_removals = 0;  ///< removals that had to turn a face
+  Index extra_vertices = 0;   ///< vertices that are no sample and could not be removed without harm
 };
 
 /// A closed mesh whose vertices are the samples (then `extra_vertices` more, if any), at their

@@ -9,20 +9,27 @@ namespace shrinkwrap {
 namespace {
 
 constexpr Index kGrain = 1 << 11;
-constexpr double kFar = 1.1;  // x `high`: beyond, all distances are alike
+constexpr double kBeyond = 1.1;  // x `membrane_high`: farther samples are not looked for
 
-// Per vertex: its distance from the samples of its own side in spacings, at most a little more than
-// `high`, or 0 where that is at most `low`. (The back of a sheet may be near its samples.)
-std::vector<float> distances_above(const SurfaceMesh& surface, const SampleFeet& feet,
-                                   const PointCloud& cloud, double low, double high,
-                                   Progress& progress) {
-  std::vector<float> distance(surface.position.size(), 0.0f);
+// Per vertex, in spacings: 0 where that is at most `membrane_low`, which the foot of a sample
+// nearby may show; as far as it matters, a little beyond `membrane_high`.
+struct Distances {
+  std::vector<float> any;       // from the samples
+  std::vector<float> own_side;  // from those that look to the same side
+};
+
+Distances measure(const SurfaceMesh& surface, const SampleFeet& feet, const PointCloud& cloud,
+                  const CompleteMatchingOptions& options, Progress& progress) {
+  Distances distances;
+  distances.any.resize(surface.position.size(), 0.0f);
+  distances.own_side.resize(surface.position.size(), 0.0f);
   // Planes through all the samples there are tell no side.
   const bool has_sides = cloud.size() > cloud.neighbour_count;
+  const double low = options.membrane_low, beyond = kBeyond * options.membrane_high;
+  // The nearest sample is no farther than any other, and its own spacing at least the median.
+  const double enough = low * cloud.spacing * low * cloud.spacing;
   parallel_for_each(surface.vertex_slots(), kGrain, progress, [&](Index v) {
     const Vec3& p = surface.position[v];
-    // The nearest sample is no farther than any other, and its own spacing at least the median.
-    const double enough = low * cloud.spacing * low * cloud.spacing;
     const Index first = surface.outgoing(v);
     Index h = first;
     do {
@@ -35,31 +42,37 @@ std::vector<float> distances_above(const SurfaceMesh& surface, const SampleFeet&
       }
       h = surface.rotate(h);
     } while (h != first);
-    const Vec3f normal = surface.vertex_normal(v).cast<float>();
-    const auto is_compatible = [&](Index i) {
-      return !has_sides || cloud.normal[i].dot(normal) > 0.0f;
-    };
-    VoxelSearch::Hit hit = cloud.search.nearest(p);
+    const VoxelSearch::Hit nearest = cloud.search.nearest(p);
     const double spacing =
-        std::max(cloud.spacing, static_cast<double>(cloud.local_spacing[hit.index]));
-    const double far = kFar * high * spacing;
-    if (!is_compatible(hit.index)) hit = cloud.search.nearest_if(p, far, is_compatible);
-    const double spacings =
-        hit.index == kNone ? kFar * high : std::sqrt(hit.squared_distance) / spacing;
-    if (spacings > low) distance[v] = static_cast<float>(spacings);
+        std::max(cloud.spacing, static_cast<double>(cloud.local_spacing[nearest.index]));
+    const auto in_spacings = [&](const VoxelSearch::Hit& hit) {
+      const double distance = std::sqrt(hit.squared_distance) / spacing;
+      return distance > low ? static_cast<float>(distance) : 0.0f;
+    };
+    distances.any[v] = distances.own_side[v] = in_spacings(nearest);
+    const Vec3f normal = surface.vertex_normal(v).cast<float>();
+    const auto is_compatible = [&](Index i) { return cloud.normal[i].dot(normal) > 0.0f; };
+    if (!has_sides || is_compatible(nearest.index)) return;
+    const VoxelSearch::Hit other = cloud.search.nearest_if(p, beyond * spacing, is_compatible);
+    distances.own_side[v] = std::max(
+        distances.any[v], other.index == kNone ? static_cast<float>(beyond) : in_spacings(other));
   });
-  return distance;
+  return distances;
 }
 
 }  // namespace
 
 Membranes find_membranes(const SurfaceMesh& surface, const SampleFeet& feet,
-                         const PointCloud& cloud, double low, double high, Progress& progress) {
-  const std::vector<float> distance = distances_above(surface, feet, cloud, low, high, progress);
+                         const PointCloud& cloud, const CompleteMatchingOptions& options,
+                         Progress& progress) {
+  const Distances distances = measure(surface, feet, cloud, options, progress);
+  const std::vector<float>& distance =
+      options.backs_are_openings ? distances.own_side : distances.any;
+  const auto is_far = [&](float spacings) { return spacings > options.membrane_high; };
   Membranes membranes;
   std::vector<Index> stack;
   for (Index seed = 0; seed < surface.vertex_slots(); ++seed) {
-    if (!(distance[seed] > high)) continue;
+    if (!is_far(distance[seed])) continue;
     if (membranes.count == 0) membranes.is_membrane.assign(distance.size(), 0);
     if (membranes.is_membrane[seed]) continue;
     ++membranes.count;
@@ -76,6 +89,9 @@ Membranes find_membranes(const SurfaceMesh& surface, const SampleFeet& feet,
       });
     }
   }
+  for (Index v = 0; v < surface.vertex_slots(); ++v)
+    if (is_far(distances.own_side[v]) && (membranes.count == 0 || !membranes.is_membrane[v]))
+      ++membranes.backs;
   return membranes;
 }
 

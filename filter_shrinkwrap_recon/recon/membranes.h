@@ -11,12 +11,15 @@ namespace shrinkwrap {
 struct Membranes {
   std::vector<char> is_membrane;  ///< per vertex of the surface; empty if there are none
   Index count = 0;                ///< connected pieces
+  Index backs = 0;                ///< vertices that were one if backs were openings, and are not
 };
 
-/// Marks vertices farther than `low` spacings from every sample that are connected, through such
-/// vertices, to one farther than `high` (the larger of the median and the local spacing of the
-/// nearest sample). The feet of samples spare most vertices the search. O(V) expected, parallel.
+/// Marks vertices farther than `membrane_low` spacings from every sample (of their own side, if
+/// `backs_are_openings`) that are connected, through such vertices, to one farther than
+/// `membrane_high` (the larger of the median and the local spacing of the nearest sample). The feet
+/// of samples spare most vertices the search. O(V) expected, parallel.
 Membranes find_membranes(const SurfaceMesh& surface, const SampleFeet& feet,
-                         const PointCloud& cloud, double low, double high, Progress& progress);
+                         const PointCloud& cloud, const CompleteMatchingOptions& options,
+                         Progress& progress);
 
 }  // namespace shrinkwrap

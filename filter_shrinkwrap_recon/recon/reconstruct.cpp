@@ -192,31 +192,75 @@ void match(SurfaceMesh parametric, const PointCloud& cloud, const std::vector<Ve
   if (options.keep_stages) result.mesh.vertex_quality = distances(result.mesh);
 }
 
-// What nobody wants of a mesh through the samples: faces that meet others, vertices that are no
-// sample.
-Index faults_of(const Reconstruction& result) {
-  return static_cast<Index>(result.intersection_repair.remaining_faces.size()) +
-         result.complete_matching.extra_vertices;
+// Faces that nobody wants in a mesh through the samples: those that meet others, and those with a
+// corner that is no sample.
+Index faults_of(const Reconstruction& result, Index samples) {
+  const std::vector<Index>& meeting = result.intersection_repair.remaining_faces;
+  Index count = static_cast<Index>(meeting.size());
+  if (result.complete_matching.extra_vertices == 0) return count;
+  const std::vector<Triangle>& triangles = result.mesh.triangles;
+  for (std::size_t f = 0; f < triangles.size(); ++f) {
+    const Triangle& t = triangles[f];
+    if (std::max({t[0], t[1], t[2]}) >= samples &&
+        !std::binary_search(meeting.begin(), meeting.end(), static_cast<Index>(f)))
+      ++count;
+  }
+  return count;
 }
 
-// Takes the better of two attempts. The table tells the time that both took.
-void keep_better(Reconstruction& first, Reconstruction& second) {
-  first.smoothing = {true, false, faults_of(first), faults_of(second)};
-  first.smoothing.is_taken = first.smoothing.faults_with < first.smoothing.faults_without;
+// A copy without the stages so far, which may hold meshes.
+Reconstruction without_stages(Reconstruction& result) {
+  std::vector<StageRecord> stages;
+  stages.swap(result.stages);
+  Reconstruction copy = result;
+  result.stages.swap(stages);
+  return copy;
+}
+
+// Takes the better of two attempts, and reports it as `which`. The table tells the time that both
+// took.
+void keep_better(Reconstruction& first, Reconstruction& second, Index samples,
+                 SecondAttempt Reconstruction::*which) {
+  SecondAttempt attempt = {true, false, faults_of(first, samples), faults_of(second, samples)};
+  attempt.is_taken = attempt.faults < attempt.faults_before;
   for (StageRecord& row : second.stages) {
     const auto same =
         std::find_if(first.stages.begin(), first.stages.end(),
                      [&](const StageRecord& other) { return other.name == row.name; });
     row.seconds += same->seconds;
-    if (first.smoothing.is_taken)
+    if (attempt.is_taken)
       *same = std::move(row);
     else
       same->seconds = row.seconds;
   }
-  if (!first.smoothing.is_taken) return;
-  second.stages = std::move(first.stages);
-  second.smoothing = first.smoothing;
-  first = std::move(second);
+  if (attempt.is_taken) {
+    second.stages = std::move(first.stages);
+    first = std::move(second);
+  }
+  first.*which = attempt;
+}
+
+// The same again with the backs of sheets as openings, where they may have done harm. Near the
+// samples of the front, they run into it; but a thin wall has a back too.
+void match_sheets(SurfaceMesh parametric, const PointCloud& cloud, const std::vector<Vec3>& points,
+                  ReconstructionOptions options, Reconstruction& result, StageLog& log,
+                  Progress& progress) {
+  if (result.parametric_surface.membrane_vertices == 0 || !options.intersection_repair.enabled) {
+    match(std::move(parametric), cloud, points, options, result, log, progress);
+    return;
+  }
+  Reconstruction second = without_stages(result);
+  match(parametric, cloud, points, options, result, log, progress);
+  if (result.complete_matching.backs == 0 || faults_of(result, cloud.size()) == 0) return;
+  options.complete_matching.backs_are_openings = true;
+  try {
+    StageLog second_log(second, options);
+    match(std::move(parametric), cloud, points, options, second, second_log, progress);
+    keep_better(result, second, cloud.size(), &Reconstruction::backs);
+  } catch (const ReconstructionFailed&) {
+    // There is a mesh already.
+  }
+  log.skip();
 }
 
 // The samples matched to a surface that is smoothed for their noise, as a run makes it that stops
@@ -231,25 +275,24 @@ void match_smoothed(PointCloud& cloud, const std::vector<Vec3>& points, const No
   SurfaceMesh surface = make_surface(cloud, options, result, log, progress);
   result.relaxation = RelaxationReport();  // of a surface that is not the result
   undo_denoising(cloud, points, options.samples.neighbours, progress);
-  match(std::move(surface), cloud, points, options, result, log, progress);
+  match_sheets(std::move(surface), cloud, points, options, result, log, progress);
 }
 
 // Noise gives the surface handles and folds: where that did harm, it is smoothed.
 void match_noisy(PointCloud& cloud, const std::vector<Vec3>& points, const NoiseEstimate& noise,
                  const ReconstructionOptions& options, Reconstruction& result, Progress& progress) {
-  Reconstruction second = result;
-  second.stages.clear();
+  Reconstruction second = without_stages(result);
   progress.set_attempt(0.0, 0.5);
   {
     StageLog log(result, options);
-    match(make_surface(cloud, options, result, log, progress), cloud, points, options, result, log,
-          progress);
+    match_sheets(make_surface(cloud, options, result, log, progress), cloud, points, options,
+                 result, log, progress);
   }
-  if (faults_of(result) > 0) {
+  if (faults_of(result, cloud.size()) > 0) {
     progress.set_attempt(0.5, 1.0);
     try {
       match_smoothed(cloud, points, noise, options, second, progress);
-      keep_better(result, second);
+      keep_better(result, second, cloud.size(), &Reconstruction::smoothing);
     } catch (const ReconstructionFailed&) {
       // There is a mesh already.
     }
@@ -291,7 +334,7 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
     if (options.stop_at_parametric_surface)
       result.mesh = to_result(surface, cloud.frame);
     else
-      match(std::move(surface), cloud, points, options, result, log, progress);
+      match_sheets(std::move(surface), cloud, points, options, result, log, progress);
   }
 
   progress.begin(Stage::report);

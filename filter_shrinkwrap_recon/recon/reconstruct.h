@@ -60,12 +60,12 @@ struct StageRecord {
   ResultMesh mesh;  ///< only if keep_stages
 };
 
-/// A noisy cloud whose mesh has faults - faces that meet others, vertices that are no sample - is
-/// matched once more, to a parametric surface that is smoothed for the noise.
-struct SmoothingReport {
-  bool is_tried = false;
-  bool is_taken = false;  ///< the mesh is that of the second attempt, which has fewer faults
-  Index faults_without = 0, faults_with = 0;
+/// A mesh that has faults - faces that meet others, or that have a corner that is no sample - may
+/// get a second attempt; that with fewer faulty faces is taken.
+struct SecondAttempt {
+  bool is_made = false;
+  bool is_taken = false;
+  Index faults_before = 0, faults = 0;  ///< faces
 };
 
 struct Reconstruction {
@@ -86,7 +86,8 @@ struct Reconstruction {
   EdgeOptimisationReport edge_optimisation;
   RepairReport intersection_repair;  ///< `remaining_faces` are faces of `mesh`
   RelaxationReport relaxation;       ///< of a run that stops at the parametric surface
-  SmoothingReport smoothing;         ///< of a run that does not stop there
+  SecondAttempt smoothing;           ///< of a noisy cloud: the surface is smoothed for the noise
+  SecondAttempt backs;               ///< of sheets: their backs are openings
   MeshReport report;
   double spacing = 0.0;  ///< median sample spacing, input length
 };
@@ -94,7 +95,7 @@ struct Reconstruction {
 /// Runs every stage and checks the promise. Noise gives a surface through the samples handles and
 /// folds: samples that are put back onto a surface that was smoothed for it stand side by side,
 /// and the mesh has the topology of the object. So noisy clouds (NoiseOptions::high) may get a
-/// second attempt (see SmoothingReport). Throws InvalidInput, Cancelled or ReconstructionFailed,
+/// second attempt (see SecondAttempt). Throws InvalidInput, Cancelled or ReconstructionFailed,
 /// and then nothing was made. The same input and options give the same bytes, whatever the number
 /// of threads.
 Reconstruction reconstruct(const std::vector<Vec3>& points, const ReconstructionOptions& options,
@@ -112,7 +113,7 @@ struct CloudReport {
 /// about, with normals of neighbourhoods that are the wider the noisier the samples are, and
 /// `options` of the later stages are changed to suit (larger voxels; see NoiseOptions). A chain of
 /// stages gives the same as `reconstruct` if each that needs normals begins with this; if the
-/// smoothed surface is taken (see SmoothingReport), with `stop_at_parametric_surface` set, and the
+/// smoothed surface is taken (see SecondAttempt), with `stop_at_parametric_surface` set, and the
 /// matching then goes on with `undo_denoising`. Pre: the cloud was prepared with `options.samples`.
 CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
                               Progress& progress);

@@ -76,9 +76,9 @@ CompleteMatching retile(SurfaceMesh parametric, const PointCloud& cloud,
   result.report.mean_foot_distance = feet.mean_distance;
   result.report.max_foot_distance = feet.max_distance;
   progress.set_range(0.4, 0.45);
-  const Membranes membranes = find_membranes(parametric, feet, cloud, options.membrane_low,
-                                             options.membrane_high, progress);
+  const Membranes membranes = find_membranes(parametric, feet, cloud, options, progress);
   result.report.membranes = membranes.count;
+  result.report.backs = membranes.backs;
 
   progress.set_range(0.45, 0.55);
   SurfaceMesh& mesh = result.mesh;
