@@ -12,6 +12,7 @@ namespace {
 
 using testing::closed_shapes;
 using testing::Random;
+using testing::sample_implicit;
 using testing::sample_shape;
 using testing::Shape;
 using testing::shape_of;
@@ -77,6 +78,48 @@ TEST(Orientation, IsOutwardOnAnOpenCap) {
 }
 
 // Few of the samples are drawn at first, so coarsely that the two sides of the plate are one.
+// Half the samples of a lens lie beyond an edge so sharp that normals on either side of it are
+// nearly parallel: seen from the edge, both sides are one.
+TEST(Orientation, BothSidesOfASharpEdgeFaceOutwards) {
+  const Vec3 centre(0.0, 0.0, 0.94);
+  const auto implicit = [&](const Vec3& p) {
+    return std::max((p - centre).norm(), (p + centre).norm()) - 1.0;
+  };
+  for (const unsigned seed : {1u, 2u, 3u, 4u}) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    const std::vector<Vec3> points = sample_implicit(implicit, {}, 4000, random).points;
+    const auto count_wrong = [&](const OrientationOptions& options) {
+      PointCloud cloud = prepare(points);
+      Progress silent;
+      orient_normals(cloud, options, silent);
+      Index wrong = 0;
+      for (Index i = 0; i < cloud.size(); ++i)
+        wrong +=
+            (cloud.frame.to_input(cloud.position[i]).z() > 0.0) != (cloud.normal[i].z() > 0.0f);
+      return wrong;
+    };
+    EXPECT_LE(count_wrong({}), 250);  // where the lens is thinner than the samples are apart
+    OrientationOptions by_edges;
+    by_edges.signs.greatest_weight = 0.0;
+    EXPECT_GT(count_wrong(by_edges), 1500);
+  }
+}
+
+// Views see its hills from above and its valleys from below.
+TEST(Orientation, ASheetOfHillsAndValleysHasOneSide) {
+  std::vector<Vec3> points;
+  Random random(5);
+  for (int x = 0; x < 80; ++x)
+    for (int y = 0; y < 80; ++y) {
+      const Vec3 p(x + random.uniform(-0.3, 0.3), y + random.uniform(-0.3, 0.3), 0.0);
+      points.push_back(p + Vec3(0.0, 0.0, 5.0 * std::sin(0.25 * p.x()) * std::sin(0.25 * p.y())));
+    }
+  PointCloud cloud = prepare(points);
+  orient(cloud);
+  for (Index i = 0; i < cloud.size(); ++i) ASSERT_GT(cloud.normal[i].z(), 0.0f);
+}
+
 TEST(Orientation, DrawsThinPartsAgainMoreFinely) {
   PointCloud cloud = prepare(sample_shape(ShapeKind::thin_plate, 20000, 4));
   OrientationOptions options;

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "parallel.h"
-#include "spanning_forest.h"
 #include "visibility.h"
 #include "winding_number.h"
 
@@ -18,12 +17,35 @@ constexpr Index kDrawnPerComponent = 32;    // at least, of each that has as man
 constexpr double kDepthTolerance = 0.7;     // x spacing of the samples drawn
 constexpr double kLeastSheetNormal = 0.25;  // length of the mean normal of an open sheet, at least
 
+// Of every stride-th sample.
+VisibilityOptions views_of(const PointCloud& cloud, const OrientationOptions& options, Index stride,
+                           int directions) {
+  const double spacing = cloud.spacing * std::sqrt(static_cast<double>(stride));
+  VisibilityOptions views;
+  views.directions = directions;
+  views.min_cosine = options.min_cosine;
+  views.pixel = options.pixel_size * spacing;
+  views.depth_tolerance = kDepthTolerance * spacing;
+  return views;
+}
+
+SampleVotes draw_samples(const PointCloud& cloud, const OrientationOptions& options,
+                         Progress& progress) {
+  const Index stride = cloud.size() / std::max<Index>(options.propagation_views, 1) + 1;
+  SampleVotes samples;
+  for (Index i = 0; i < cloud.size(); i += stride) samples.drawn.push_back(i);
+  samples.votes = visibility_votes(
+      cloud, samples.drawn, views_of(cloud, options, stride, options.view_directions), progress);
+  return samples;
+}
+
 // Chooses a sign for every component, layer by layer from outside.
 class ComponentSigns {
  public:
-  ComponentSigns(const PointCloud& cloud, const SpanningForest& forest,
+  // `votes` on the normals as they are now.
+  ComponentSigns(const PointCloud& cloud, const SpanningForest& forest, const SampleVotes& votes,
                  const OrientationOptions& options, Progress& progress)
-      : cloud_(cloud), forest_(forest), options_(options), progress_(progress) {}
+      : cloud_(cloud), forest_(forest), votes_(votes), options_(options), progress_(progress) {}
 
   // For each component, whether to flip it.
   std::vector<char> decide(OrientationReport& report) {
@@ -34,7 +56,9 @@ class ComponentSigns {
     std::vector<char> flip(components, 0);
     std::size_t left = components;
     for (int layer = 0; left > 0 && layer < kMostLayers; ++layer) {
-      const std::vector<VisibilityVote> votes = clear_votes();
+      const bool are_known = layer == 0 && votes_.drawn.size() == cloud_.position.size();
+      const std::vector<VisibilityVote> votes =
+          are_known ? sum_by_component(votes_.drawn, votes_.votes) : clear_votes();
       const std::vector<char> enclosed = layer > 0 ? within_decided(flip) : std::vector<char>();
       std::vector<std::size_t> seen;
       for (std::size_t c = 0; c < components; ++c) {
@@ -134,18 +158,22 @@ class ComponentSigns {
       const Index own_stride = std::clamp<Index>(size_[component] / kDrawnPerComponent, 1, stride);
       if (passed[component]++ % own_stride == 0) drawn.push_back(i);
     }
-    const double spacing = cloud_.spacing * std::sqrt(static_cast<double>(stride));
-    VisibilityOptions view;
-    view.directions = directions;
-    view.min_cosine = options_.min_cosine;
-    view.pixel = options_.pixel_size * spacing;
-    view.depth_tolerance = kDepthTolerance * spacing;
-    return visibility_votes(cloud_, drawn, forest_.component_of_sample, forest_.components, view,
-                            progress_);
+    return sum_by_component(
+        drawn,
+        visibility_votes(cloud_, drawn, views_of(cloud_, options_, stride, directions), progress_));
+  }
+
+  std::vector<VisibilityVote> sum_by_component(const std::vector<Index>& drawn,
+                                               const std::vector<VisibilityVote>& votes) const {
+    std::vector<VisibilityVote> sums(size_.size());
+    for (std::size_t k = 0; k < drawn.size(); ++k)
+      sums[forest_.component_of_sample[drawn[k]]].add(votes[k]);
+    return sums;
   }
 
   const PointCloud& cloud_;
   const SpanningForest& forest_;
+  const SampleVotes& votes_;
   const OrientationOptions& options_;
   Progress& progress_;
   std::vector<Index> size_;       // samples of each component
@@ -189,14 +217,20 @@ OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& op
                                  Progress& progress) {
   progress.begin(Stage::orientation);
   OrientationReport report;
-  progress.set_range(0.0, 0.5);
-  const SpanningForest forest = span_normals(cloud, options.propagation_neighbours, progress);
+  progress.set_range(0.0, 0.25);
+  SampleVotes votes = draw_samples(cloud, options, progress);
+  progress.set_range(0.25, 0.6);
+  const SpanningForest forest =
+      span_normals(cloud, options.propagation_neighbours, votes, options.signs, progress);
   parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
     if (forest.flipped[i]) cloud.normal[i] = -cloud.normal[i];
   });
+  for (std::size_t k = 0; k < votes.drawn.size(); ++k)
+    if (forest.flipped[votes.drawn[k]]) votes.votes[k].outward = -votes.votes[k].outward;
 
-  progress.set_range(0.5, 0.85);
-  const std::vector<char> flip = ComponentSigns(cloud, forest, options, progress).decide(report);
+  progress.set_range(0.6, 0.85);
+  const std::vector<char> flip =
+      ComponentSigns(cloud, forest, votes, options, progress).decide(report);
   parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
     if (flip[forest.component_of_sample[i]]) cloud.normal[i] = -cloud.normal[i];
   });

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "point_cloud.h"
+#include "spanning_forest.h"
 
 namespace shrinkwrap {
 
@@ -16,6 +17,8 @@ struct OrientationOptions {
   Index drawn_samples = 16000;  ///< of larger clouds a part is drawn, more if the votes are close
   double least_vote = 0.05;     ///< undecided below this part of the votes there could have been
   double least_visible = 0.02;  ///< enclosed if this part or less of the possible votes was cast
+  Index propagation_views = 64000;  ///< samples drawn, at most about, for views while propagating
+  SignOptions signs;
 };
 
 struct OrientationReport {
@@ -26,14 +29,15 @@ struct OrientationReport {
 };
 
 /// Gives the normals of the cloud a consistent outward sign (Hoppe et al. 1992: propagation over
-/// the spanning tree that prefers parallel normals; weights |n.n'| (1 - max |d.n|)), then one sign
-/// per connected component of the graph from visibility: the side that more orthographic views see
-/// is outside. Components that nobody sees are drawn again without those that were seen: where the
-/// winding number of these says that they lie within the body they bound a cavity, else a body of
-/// their own, in a cavity or behind others. Then computes the tangent planes. Undecided components
-/// keep the sign of the majority, however small, unless they are open sheets: these face +z (or +y,
-/// +x if they stand upright), as terrains do. O(N) expected time but for the union-find, O(N)
-/// memory, the same for any number of threads.
+/// the spanning tree that prefers parallel normals; weights |n.n'| (1 - max |d.n|); where views see
+/// clearly that an edge of the tree is wrong, they are followed), then one sign per connected
+/// component of the graph from visibility: the side that more orthographic views see is outside.
+/// Components that nobody sees are drawn again without those that were seen: where the winding
+/// number of these says that they lie within the body they bound a cavity, else a body of their
+/// own, in a cavity or behind others. Then computes the tangent planes. Undecided components keep
+/// the sign of the majority, however small, unless they are open sheets: these face +z (or +y, +x
+/// if they stand upright), as terrains do. O(N) expected time but for the union-find, O(N) memory,
+/// the same for any number of threads.
 OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& options,
                                  Progress& progress);
 

@@ -147,32 +147,97 @@ std::vector<Edge> sorted_edges(const PointCloud& cloud, int neighbours, Progress
   return sorted;
 }
 
+// The sets that edges join, and what the views say of each, against the normal of its root.
+class SignedForest {
+ public:
+  SignedForest(const PointCloud& cloud, const SignOptions& options)
+      : cloud_(cloud), options_(options), sets_(cloud.size()) {}
+
+  // Joins all that the edges connect; with votes, as they say where they are clear.
+  void join(const std::vector<Edge>& edges, const SampleVotes* votes, Progress& progress) {
+    if (votes) {
+      tally_.assign(cloud_.position.size(), Tally());
+      for (std::size_t k = 0; k < votes->drawn.size(); ++k)
+        tally_[votes->drawn[k]] = {static_cast<float>(votes->votes[k].outward),
+                                   static_cast<float>(votes->votes[k].possible), 1};
+    }
+    Index sets_left = cloud_.size();
+    for (std::size_t begin = 0; begin < edges.size() && sets_left > 1; begin += kUnionsPerUpdate) {
+      const std::size_t end = std::min(begin + kUnionsPerUpdate, edges.size());
+      for (std::size_t e = begin; e < end; ++e) sets_left -= join(edges[e]);
+      progress.update(static_cast<double>(end) / static_cast<double>(edges.size()));
+    }
+  }
+
+  // Of the component of a root.
+  double majority(Index root) const {
+    const Tally& tally = tally_[root];
+    return tally.possible > 0.0f ? std::abs(tally.outward) / tally.possible : 0.0;
+  }
+  std::uint32_t find(Index i) { return sets_.find(i); }
+  bool has_followed_views() const { return has_followed_views_; }
+
+ private:
+  struct Tally {
+    float outward = 0.0f, possible = 0.0f;
+    Index drawn = 0;
+  };
+
+  bool join(const Edge& edge) {
+    const std::uint32_t a = sets_.find(edge.a), b = sets_.find(edge.b);
+    if (a >> 1 == b >> 1) return false;
+    bool opposed = cloud_.normal[edge.a].dot(cloud_.normal[edge.b]) < 0.0f;
+    if (!tally_.empty()) {
+      Tally &tally_a = tally_[a >> 1], &tally_b = tally_[b >> 1];
+      const bool are_roots_opposed = opposed != ((a & 1) != (b & 1));
+      const bool agree = (tally_a.outward * tally_b.outward < 0.0f) == are_roots_opposed;
+      if (!agree && is_clear(tally_a) && is_clear(tally_b) && is_doubtful(edge)) {
+        opposed = !opposed;
+        has_followed_views_ = true;
+      }
+      const float sign = opposed != ((a & 1) != (b & 1)) ? -1.0f : 1.0f;
+      Tally& root = a < b ? tally_a : tally_b;
+      const Tally& other = a < b ? tally_b : tally_a;
+      root = {root.outward + sign * other.outward, root.possible + other.possible,
+              root.drawn + other.drawn};
+    }
+    sets_.join(a, b, opposed);
+    return true;
+  }
+  bool is_clear(const Tally& tally) const {
+    return tally.drawn >= options_.least_samples &&
+           std::abs(tally.outward) > options_.least_majority * tally.possible;
+  }
+  bool is_doubtful(const Edge& edge) const {
+    return bucket_of(cloud_, edge.a, edge.b) > (1.0 - options_.greatest_weight) * kBuckets;
+  }
+
+  const PointCloud& cloud_;
+  const SignOptions& options_;
+  SignedSets sets_;
+  std::vector<Tally> tally_;  // by root; empty without votes
+  bool has_followed_views_ = false;
+};
+
 }  // namespace
 
-SpanningForest span_normals(const PointCloud& cloud, int neighbours, Progress& progress) {
+SpanningForest span_normals(const PointCloud& cloud, int neighbours, const SampleVotes& votes,
+                            const SignOptions& options, Progress& progress) {
   const Index count = cloud.size();
   neighbours = std::clamp(neighbours, 1, cloud.neighbour_count - 1);
   const std::vector<Edge> edges = sorted_edges(cloud, neighbours, progress);
-  SignedSets sets(count);
-  Index sets_left = count;
-  for (std::size_t begin = 0; begin < edges.size() && sets_left > 1; begin += kUnionsPerUpdate) {
-    const std::size_t end = std::min(begin + kUnionsPerUpdate, edges.size());
-    for (std::size_t e = begin; e < end; ++e) {
-      const Edge edge = edges[e];
-      const std::uint32_t root_a = sets.find(edge.a), root_b = sets.find(edge.b);
-      if (root_a >> 1 == root_b >> 1) continue;
-      sets.join(root_a, root_b, cloud.normal[edge.a].dot(cloud.normal[edge.b]) < 0.0f);
-      --sets_left;
-    }
-    progress.update(static_cast<double>(end) / static_cast<double>(edges.size()));
-  }
+  SignedForest by_views(cloud, options), by_edges(cloud, options);
+  by_views.join(edges, &votes, progress);
+  if (by_views.has_followed_views()) by_edges.join(edges, nullptr, progress);
   SpanningForest forest;
   forest.component_of_sample.resize(static_cast<std::size_t>(count));
   forest.flipped.resize(static_cast<std::size_t>(count));
   for (Index i = 0; i < count; ++i) {
-    const std::uint32_t root = sets.find(i);
+    const std::uint32_t root = by_views.find(i);
     const Index first = static_cast<Index>(root >> 1);  // the lowest sample of its set
-    forest.flipped[i] = static_cast<char>(root & 1);
+    const bool is_body =
+        !by_views.has_followed_views() || by_views.majority(first) >= options.least_of_a_body;
+    forest.flipped[i] = static_cast<char>((is_body ? root : by_edges.find(i)) & 1);
     forest.component_of_sample[i] =
         first == i ? forest.components++ : forest.component_of_sample[first];
   }

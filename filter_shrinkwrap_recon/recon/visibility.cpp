@@ -88,10 +88,8 @@ double affordable_pixel(const std::vector<Vec3f>& points, double pixel) {
 
 std::vector<VisibilityVote> visibility_votes(const PointCloud& cloud,
                                              const std::vector<Index>& drawn,
-                                             const std::vector<Index>& component_of_sample,
-                                             Index components, const VisibilityOptions& options,
-                                             Progress& progress) {
-  std::vector<VisibilityVote> votes(static_cast<std::size_t>(components));
+                                             const VisibilityOptions& options, Progress& progress) {
+  std::vector<VisibilityVote> votes(drawn.size());
   if (drawn.empty()) return votes;
   std::vector<Vec3f> points;
   points.reserve(drawn.size());
@@ -130,12 +128,8 @@ std::vector<VisibilityVote> visibility_votes(const PointCloud& cloud,
     });
     for (int v = 0; v < count; ++v)
       for (std::size_t i = 0; i < points.size(); ++i) {
-        VisibilityVote& vote = votes[component_of_sample[drawn[i]]];
-        const double cosine = views[v].cosine[i];
-        vote.possible += std::abs(cosine);
-        if (!views[v].seen[i]) continue;
-        vote.seen += std::abs(cosine);
-        vote.outward += cosine;
+        const double cosine = views[v].cosine[i], seen = views[v].seen[i] ? 1.0 : 0.0;
+        votes[i].add({std::abs(cosine), seen * std::abs(cosine), seen * cosine});
       }
     progress.update(static_cast<double>(first + count) / options.directions);
   }

@@ -5,8 +5,8 @@
 
 namespace shrinkwrap {
 
-/// Sums over the samples drawn of a component and all views, of |cosine|, over the views that look
-/// steeply enough on a sample.
+/// Sums of |cosine| over the views that look steeply enough on a sample; of a set of samples, sums
+/// of these.
 struct VisibilityVote {
   double possible = 0.0;  ///< of all views
   double seen = 0.0;      ///< of those that see the sample
@@ -14,6 +14,12 @@ struct VisibilityVote {
 
   /// In [-1, 1]: how much more the side that the normals point to is seen than the other.
   double majority() const { return possible > 0.0 ? outward / possible : 0.0; }
+
+  void add(const VisibilityVote& other) {
+    possible += other.possible;
+    seen += other.seen;
+    outward += other.outward;
+  }
 };
 
 struct VisibilityOptions {
@@ -23,14 +29,12 @@ struct VisibilityOptions {
   double depth_tolerance = 0.0;  ///< a sample this much behind the foremost is still seen
 };
 
-/// Draws the samples `drawn` from all directions and sums the votes by component. Splats are 3 x 3
-/// pixels, so that a surface hides what is behind it; the tolerance grows with the slope. Buffers
+/// Draws the samples `drawn` from all directions; returns the vote on each of them. Splats are 3 x
+/// 3 pixels, so that a surface hides what is behind it; the tolerance grows with the slope. Buffers
 /// hold at most a fixed multiple of the samples drawn (then the pixel is enlarged).
 /// O(directions x drawn); the same for any number of threads.
 std::vector<VisibilityVote> visibility_votes(const PointCloud& cloud,
                                              const std::vector<Index>& drawn,
-                                             const std::vector<Index>& component_of_sample,
-                                             Index components, const VisibilityOptions& options,
-                                             Progress& progress);
+                                             const VisibilityOptions& options, Progress& progress);
 
 }  // namespace shrinkwrap
