@@ -77,7 +77,6 @@ TEST(Orientation, IsOutwardOnAnOpenCap) {
   EXPECT_EQ(count_wrong(cloud, shape_of(ShapeKind::hemisphere)), 0);
 }
 
-// Few of the samples are drawn at first, so coarsely that the two sides of the plate are one.
 // Half the samples of a lens lie beyond an edge so sharp that normals on either side of it are
 // nearly parallel: seen from the edge, both sides are one.
 TEST(Orientation, BothSidesOfASharpEdgeFaceOutwards) {
@@ -106,6 +105,52 @@ TEST(Orientation, BothSidesOfASharpEdgeFaceOutwards) {
   }
 }
 
+// Drawn coarsely, the inner wall of a cup is seen from outside, through the outer one: views object
+// to the edges over its rim, and finer views judge that they are wrong.
+TEST(Orientation, CoarseViewsDoNotTurnTheInsideOfACup) {
+  constexpr double kWall = 4.0, kRadius = 40.0, kHeight = 60.0;
+  Random random(1);
+  std::vector<Vec3> points;
+  std::vector<char> is_inside;
+  const auto add_wall = [&](double radius, double low, bool inside) {
+    const Index count = static_cast<Index>(6.28318530717958648 * radius * (kHeight - low));
+    for (Index i = 0; i < count; ++i) {
+      const double angle = random.uniform(0.0, 6.28318530717958648);
+      points.push_back(
+          {radius * std::cos(angle), radius * std::sin(angle), random.uniform(low, kHeight)});
+      is_inside.push_back(inside);
+    }
+  };
+  const auto add_disc = [&](double inner, double outer, double z, bool inside) {
+    const Index count = static_cast<Index>(3.14159265358979324 * (outer * outer - inner * inner));
+    for (Index i = 0; i < count; ++i) {
+      const double angle = random.uniform(0.0, 6.28318530717958648);
+      const double r = std::sqrt(random.uniform(inner * inner, outer * outer));
+      points.push_back({r * std::cos(angle), r * std::sin(angle), z});
+      is_inside.push_back(inside);
+    }
+  };
+  add_wall(kRadius, 0.0, false);
+  add_wall(kRadius - kWall, kWall, true);
+  add_disc(0.0, kRadius, 0.0, false);
+  add_disc(0.0, kRadius - kWall, kWall, true);
+  add_disc(kRadius - kWall, kRadius, kHeight, false);
+  PointCloud cloud = prepare(points);
+  OrientationOptions options;
+  options.propagation_samples = 2000;
+  Progress silent;
+  orient_normals(cloud, options, silent);
+  Index wrong = 0;
+  for (Index i = 0; i < cloud.size(); ++i) {
+    const Vec3 p = cloud.frame.to_input(cloud.position[i]);
+    const Vec3 away(p.x(), p.y(), 0.0);
+    if (p.z() < 2.0 * kWall || p.z() > kHeight - kWall) continue;
+    const double outward = away.dot(cloud.normal[i].cast<double>());
+    wrong += is_inside[cloud.input_index[i]] ? outward > 0.0 : outward < 0.0;
+  }
+  EXPECT_LT(wrong, cloud.size() / 200);
+}
+
 // Views see its hills from above and its valleys from below.
 TEST(Orientation, ASheetOfHillsAndValleysHasOneSide) {
   std::vector<Vec3> points;
@@ -120,10 +165,11 @@ TEST(Orientation, ASheetOfHillsAndValleysHasOneSide) {
   for (Index i = 0; i < cloud.size(); ++i) ASSERT_GT(cloud.normal[i].z(), 0.0f);
 }
 
+// Few of the samples are drawn at first, so coarsely that the two sides of the plate are one.
 TEST(Orientation, DrawsThinPartsAgainMoreFinely) {
   PointCloud cloud = prepare(sample_shape(ShapeKind::thin_plate, 20000, 4));
   OrientationOptions options;
-  options.drawn_samples = 100;
+  options.drawn_samples = options.propagation_samples = 100;
   Progress silent;
   const OrientationReport report = orient_normals(cloud, options, silent);
   EXPECT_EQ(report.undecided_components, 0);

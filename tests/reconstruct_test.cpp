@@ -108,6 +108,7 @@ TEST(Reconstruct, ASheetHasOneSide) {
     EXPECT_TRUE(closed.report.closed() && closed.report.manifold());
     EXPECT_EQ(closed.report.samples_missing, 0);
     EXPECT_EQ(closed.report.self_intersecting_faces, 0);
+    EXPECT_LT(closed.report.vertices_extra, 6);
   }
 }
 

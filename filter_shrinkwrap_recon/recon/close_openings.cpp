@@ -14,8 +14,9 @@ namespace shrinkwrap {
 namespace {
 
 constexpr int kRounds = 60;
-constexpr int kTurningRound = 8;  // from here on also by collapses that turn a face
-constexpr int kStalls = 3;        // rounds without a removal, edges flipped after each
+constexpr int kTurningRound = 8;      // from here on also by collapses that turn a face
+constexpr double kLeastCosine = 0.2;  // a face turns if its normal comes closer to a right angle
+constexpr int kStalls = 3;            // rounds without a removal, edges flipped after each
 
 class OpeningCloser {
  public:
@@ -73,7 +74,7 @@ class OpeningCloser {
  private:
   bool try_remove(Index v, bool may_turn) {
     rating_.gather(mesh_, v);
-    if (is_at_border()) return try_remove_at_border(v);
+    if (is_at_border()) return try_remove_at_border(v, may_turn);
     rating_.rate(mesh_, v);
     while (true) {
       CollapseRating::Candidate& best = rating_.cheapest();
@@ -92,9 +93,13 @@ class OpeningCloser {
                        [&](Index h) { return is_open_[SurfaceMesh::face(h)] != 0; });
   }
 
-  // Into the nearest neighbour that leaves the borders simple loops.
-  bool try_remove_at_border(Index v) {
+  // Into the nearest neighbour that leaves the borders simple loops; true too if the vertex has no
+  // face left that stays.
+  bool try_remove_at_border(Index v, bool may_turn) {
     targets_.clear();
+    Vec3 normal = Vec3::Zero();
+    for (const Index h : rating_.halfedges())
+      if (!is_open_[SurfaceMesh::face(h)]) normal += mesh_.area_vector(SurfaceMesh::face(h));
     for (const Index h : rating_.halfedges())
       if (!is_open_[SurfaceMesh::face(h)] || !is_open_[SurfaceMesh::face(mesh_.twin(h))])
         targets_.emplace_back((mesh_.position[mesh_.target(h)] - mesh_.position[v]).squaredNorm(),
@@ -102,10 +107,19 @@ class OpeningCloser {
     std::sort(targets_.begin(), targets_.end());
     for (const auto& [length, h] : targets_) {
       if (!mesh_.is_collapse_legal(h) || !keeps_borders(h) || fan_cuts(h)) continue;
+      if (!may_turn && fresh_turns_from(normal)) continue;
       collapse(h);
       return true;
     }
-    return false;
+    return targets_.empty();
+  }
+
+  bool fresh_turns_from(const Vec3& normal) const {
+    return std::any_of(fresh_.begin(), fresh_.end(), [&](const Triangle& t) {
+      const Vec3 &a = mesh_.position[t[0]], &b = mesh_.position[t[1]], &c = mesh_.position[t[2]];
+      const Vec3 area = (b - a).cross(c - a);
+      return area.dot(normal) < kLeastCosine * area.norm() * normal.norm();
+    });
   }
 
   // Whether after a collapse each vertex concerned has one fan of faces that stay, and each sample

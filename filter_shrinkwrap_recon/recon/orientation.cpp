@@ -29,14 +29,40 @@ VisibilityOptions views_of(const PointCloud& cloud, const OrientationOptions& op
   return views;
 }
 
-SampleVotes draw_samples(const PointCloud& cloud, const OrientationOptions& options,
-                         Progress& progress) {
-  const Index stride = cloud.size() / std::max<Index>(options.propagation_views, 1) + 1;
+SampleVotes draw_samples(const PointCloud& cloud, const OrientationOptions& options, Index most,
+                         int directions, Progress& progress) {
+  const Index stride = (cloud.size() - 1) / std::max<Index>(most, 1) + 1;
   SampleVotes samples;
   for (Index i = 0; i < cloud.size(); i += stride) samples.drawn.push_back(i);
-  samples.votes = visibility_votes(
-      cloud, samples.drawn, views_of(cloud, options, stride, options.view_directions), progress);
+  samples.votes = visibility_votes(cloud, samples.drawn,
+                                   views_of(cloud, options, stride, directions), progress);
   return samples;
+}
+
+// Takes the signs of the views for the components that are seen more clearly with them, from
+// drawings so fine that no wall is seen through. With open sheets they are not followed: these show
+// their hills from above and their valleys from below.
+void follow_views(const PointCloud& cloud, const OrientationOptions& options,
+                  const SampleVotes& votes, SpanningForest& forest, Progress& progress) {
+  const SampleVotes finer = votes.drawn.size() == cloud.position.size()
+                                ? SampleVotes()
+                                : draw_samples(cloud, options, options.judging_samples,
+                                               options.judging_directions, progress);
+  const SampleVotes& judges = finer.drawn.empty() ? votes : finer;
+  const auto components = static_cast<std::size_t>(forest.components);
+  std::vector<VisibilityVote> by_edges(components), by_views(components);
+  for (std::size_t k = 0; k < judges.drawn.size(); ++k) {
+    const Index i = judges.drawn[k], component = forest.component_of_sample[i];
+    VisibilityVote vote = judges.votes[k];
+    by_edges[component].add(forest.flipped[i] ? vote.turned() : vote);
+    by_views[component].add(forest.flipped_by_views[i] ? vote.turned() : vote);
+  }
+  for (Index i = 0; i < cloud.size(); ++i) {
+    const Index component = forest.component_of_sample[i];
+    const double majority = std::abs(by_views[component].majority());
+    if (majority >= options.least_of_a_body && majority > std::abs(by_edges[component].majority()))
+      forest.flipped[i] = forest.flipped_by_views[i];
+  }
 }
 
 // Chooses a sign for every component, layer by layer from outside.
@@ -218,15 +244,17 @@ OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& op
   progress.begin(Stage::orientation);
   OrientationReport report;
   progress.set_range(0.0, 0.25);
-  SampleVotes votes = draw_samples(cloud, options, progress);
+  SampleVotes votes =
+      draw_samples(cloud, options, options.propagation_samples, options.view_directions, progress);
   progress.set_range(0.25, 0.6);
-  const SpanningForest forest =
+  SpanningForest forest =
       span_normals(cloud, options.propagation_neighbours, votes, options.signs, progress);
+  if (!forest.flipped_by_views.empty()) follow_views(cloud, options, votes, forest, progress);
   parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
     if (forest.flipped[i]) cloud.normal[i] = -cloud.normal[i];
   });
   for (std::size_t k = 0; k < votes.drawn.size(); ++k)
-    if (forest.flipped[votes.drawn[k]]) votes.votes[k].outward = -votes.votes[k].outward;
+    if (forest.flipped[votes.drawn[k]]) votes.votes[k] = votes.votes[k].turned();
 
   progress.set_range(0.6, 0.85);
   const std::vector<char> flip =

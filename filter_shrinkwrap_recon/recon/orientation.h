@@ -17,7 +17,10 @@ struct OrientationOptions {
   Index drawn_samples = 16000;  ///< of larger clouds a part is drawn, more if the votes are close
   double least_vote = 0.05;     ///< undecided below this part of the votes there could have been
   double least_visible = 0.02;  ///< enclosed if this part or less of the possible votes was cast
-  Index propagation_views = 64000;  ///< samples drawn, at most about, for views while propagating
+  Index propagation_samples = 64000;  ///< drawn, at most, for the views that object to edges ...
+  Index judging_samples = 2000000;    ///< ... and for those that judge whether they are right, from
+  int judging_directions = 24;        ///< so many directions
+  double least_of_a_body = 0.15;  ///< majority of a component, or else objections are not followed
   SignOptions signs;
 };
 

@@ -217,12 +217,24 @@ Reconstruction without_stages(Reconstruction& result) {
   return copy;
 }
 
+// What check_promise would refuse of a mesh, and whether faces that were dropped tore it.
+bool is_no_worse(const Reconstruction& second, const Reconstruction& first, Progress& progress) {
+  const auto measure = [&](const ResultMesh& mesh) {
+    MeshReportOptions options;
+    options.count_self_intersections = false;
+    return measure_mesh(mesh.position, mesh.triangles, mesh.position, options, progress);
+  };
+  const MeshReport report = measure(second.mesh);
+  return report.manifold() && (!report.closed() || report.outward()) &&
+         report.components <= measure(first.mesh).components;
+}
+
 // Takes the better of two attempts, and reports it as `which`. The table tells the time that both
 // took.
 void keep_better(Reconstruction& first, Reconstruction& second, Index samples,
-                 SecondAttempt Reconstruction::*which) {
+                 SecondAttempt Reconstruction::*which, Progress& progress) {
   SecondAttempt attempt = {true, false, faults_of(first, samples), faults_of(second, samples)};
-  attempt.is_taken = attempt.faults < attempt.faults_before;
+  attempt.is_taken = attempt.faults < attempt.faults_before && is_no_worse(second, first, progress);
   for (StageRecord& row : second.stages) {
     const auto same =
         std::find_if(first.stages.begin(), first.stages.end(),
@@ -245,7 +257,8 @@ void keep_better(Reconstruction& first, Reconstruction& second, Index samples,
 void match_sheets(SurfaceMesh parametric, const PointCloud& cloud, const std::vector<Vec3>& points,
                   ReconstructionOptions options, Reconstruction& result, StageLog& log,
                   Progress& progress) {
-  if (result.parametric_surface.membrane_vertices == 0 || !options.intersection_repair.enabled) {
+  if (result.parametric_surface.membrane_vertices == 0 || !options.intersection_repair.enabled ||
+      options.complete_matching.method != CompleteMatchingOptions::Method::retile) {
     match(std::move(parametric), cloud, points, options, result, log, progress);
     return;
   }
@@ -256,7 +269,7 @@ void match_sheets(SurfaceMesh parametric, const PointCloud& cloud, const std::ve
   try {
     StageLog second_log(second, options);
     match(std::move(parametric), cloud, points, options, second, second_log, progress);
-    keep_better(result, second, cloud.size(), &Reconstruction::backs);
+    keep_better(result, second, cloud.size(), &Reconstruction::backs, progress);
   } catch (const ReconstructionFailed&) {
     // There is a mesh already.
   }
@@ -292,7 +305,7 @@ void match_noisy(PointCloud& cloud, const std::vector<Vec3>& points, const Noise
     progress.set_attempt(0.5, 1.0);
     try {
       match_smoothed(cloud, points, noise, options, second, progress);
-      keep_better(result, second, cloud.size(), &Reconstruction::smoothing);
+      keep_better(result, second, cloud.size(), &Reconstruction::smoothing, progress);
     } catch (const ReconstructionFailed&) {
       // There is a mesh already.
     }

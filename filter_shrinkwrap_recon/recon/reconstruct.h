@@ -95,9 +95,9 @@ struct Reconstruction {
 /// Runs every stage and checks the promise. Noise gives a surface through the samples handles and
 /// folds: samples that are put back onto a surface that was smoothed for it stand side by side,
 /// and the mesh has the topology of the object. So noisy clouds (NoiseOptions::high) may get a
-/// second attempt (see SecondAttempt). Throws InvalidInput, Cancelled or ReconstructionFailed,
-/// and then nothing was made. The same input and options give the same bytes, whatever the number
-/// of threads.
+/// second attempt, and so may sheets, whose backs are openings then (see SecondAttempt). Throws
+/// InvalidInput, Cancelled or ReconstructionFailed, and then nothing was made. The same input and
+/// options give the same bytes, whatever the number of threads.
 Reconstruction reconstruct(const std::vector<Vec3>& points, const ReconstructionOptions& options,
                            Progress& progress);
 
@@ -114,7 +114,8 @@ struct CloudReport {
 /// `options` of the later stages are changed to suit (larger voxels; see NoiseOptions). A chain of
 /// stages gives the same as `reconstruct` if each that needs normals begins with this; if the
 /// smoothed surface is taken (see SecondAttempt), with `stop_at_parametric_surface` set, and the
-/// matching then goes on with `undo_denoising`. Pre: the cloud was prepared with `options.samples`.
+/// matching then goes on with `undo_denoising`; if backs are openings, with `backs_are_openings`.
+/// Pre: the cloud was prepared with `options.samples`.
 CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
                               Progress& progress);
 

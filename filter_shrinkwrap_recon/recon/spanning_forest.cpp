@@ -169,11 +169,6 @@ class SignedForest {
     }
   }
 
-  // Of the component of a root.
-  double majority(Index root) const {
-    const Tally& tally = tally_[root];
-    return tally.possible > 0.0f ? std::abs(tally.outward) / tally.possible : 0.0;
-  }
   std::uint32_t find(Index i) { return sets_.find(i); }
   bool has_followed_views() const { return has_followed_views_; }
 
@@ -226,18 +221,19 @@ SpanningForest span_normals(const PointCloud& cloud, int neighbours, const Sampl
   const Index count = cloud.size();
   neighbours = std::clamp(neighbours, 1, cloud.neighbour_count - 1);
   const std::vector<Edge> edges = sorted_edges(cloud, neighbours, progress);
-  SignedForest by_views(cloud, options), by_edges(cloud, options);
+  SignedForest by_edges(cloud, options), by_views(cloud, options);
   by_views.join(edges, &votes, progress);
-  if (by_views.has_followed_views()) by_edges.join(edges, nullptr, progress);
+  const bool do_views_object = by_views.has_followed_views();
+  if (do_views_object) by_edges.join(edges, nullptr, progress);
   SpanningForest forest;
   forest.component_of_sample.resize(static_cast<std::size_t>(count));
   forest.flipped.resize(static_cast<std::size_t>(count));
+  if (do_views_object) forest.flipped_by_views.resize(static_cast<std::size_t>(count));
   for (Index i = 0; i < count; ++i) {
     const std::uint32_t root = by_views.find(i);
     const Index first = static_cast<Index>(root >> 1);  // the lowest sample of its set
-    const bool is_body =
-        !by_views.has_followed_views() || by_views.majority(first) >= options.least_of_a_body;
-    forest.flipped[i] = static_cast<char>((is_body ? root : by_edges.find(i)) & 1);
+    if (do_views_object) forest.flipped_by_views[i] = static_cast<char>(root & 1);
+    forest.flipped[i] = static_cast<char>((do_views_object ? by_edges.find(i) : root) & 1);
     forest.component_of_sample[i] =
         first == i ? forest.components++ : forest.component_of_sample[first];
   }

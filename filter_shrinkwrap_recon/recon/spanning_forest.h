@@ -13,16 +13,16 @@ struct SampleVotes {
 };
 
 struct SignOptions {
-  double least_majority = 0.15;   ///< of the votes there could have been: a clear view of a part
-  double greatest_weight = 0.9;   ///< edges along smooth surface need no views
-  Index least_samples = 10;       ///< drawn of a part
-  double least_of_a_body = 0.15;  ///< majority of a component, or else views are not followed
+  double least_majority = 0.15;  ///< of the votes there could have been: a clear view of a part
+  double greatest_weight = 0.9;  ///< edges along smooth surface need no views
+  Index least_samples = 10;      ///< drawn of a part
 };
 
 /// The maximum spanning forest of the neighbour graph, as far as signs are concerned.
 struct SpanningForest {
   std::vector<Index> component_of_sample;  ///< numbered in order of lowest sample
   std::vector<char> flipped;  ///< whether the normal opposes that of its component's first sample
+  std::vector<char> flipped_by_views;  ///< the same where views are followed; empty if none object
   Index components = 0;
 };
 
@@ -33,8 +33,7 @@ struct SpanningForest {
 ///
 /// One wrong sign at a crease or in a narrow place would turn all that lies beyond it inside out.
 /// So where an edge joins two parts, each seen clearly more from one side, and its sign says
-/// otherwise, the views are followed. Views of an open sheet see ridges from above and valleys from
-/// below: where they do not agree on a body in the end, the component takes the signs of its edges.
+/// otherwise, the views object to it.
 SpanningForest span_normals(const PointCloud& cloud, int neighbours, const SampleVotes& votes,
                             const SignOptions& options, Progress& progress);
 

@@ -116,6 +116,10 @@ class SurfaceMesh {
   /// Exchanges the diagonal. Afterwards h runs from the former opposite(twin(h)) to the former
   /// opposite(h). Pre: is_flip_legal(h).
   void flip(Index h);
+  /// Undoes `flip(h)`, but for where the one-rings begin: a quarter turn four times is no turn.
+  void flip_back(Index h) {
+    for (int turn = 0; turn < 3; ++turn) flip(h);
+  }
 
   /// Link condition (Dey et al. 1999) for merging origin(h) into target(h): the common neighbours
   /// of the two are exactly the two opposite corners, and these keep valence 3 or more. No
@@ -133,11 +137,6 @@ class SurfaceMesh {
   /// As split_face, using vertex slot v and the face slots g and k that append_slots made (so that
   /// many splits can be laid out beforehand).
   void split_face_into(Index f, Index v, Index g, Index k);
-
-  /// Undoes `flip(h)`: a quarter turn four times is no turn.
-  void flip_back(Index h) {
-    for (int turn = 0; turn < 3; ++turn) flip(h);
-  }
 
   /// True if the three faces around a vertex may become one: it has valence 3, and the mesh is no
   /// tetrahedron there.

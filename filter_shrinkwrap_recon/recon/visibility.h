@@ -15,6 +15,8 @@ struct VisibilityVote {
   /// In [-1, 1]: how much more the side that the normals point to is seen than the other.
   double majority() const { return possible > 0.0 ? outward / possible : 0.0; }
 
+  /// On the opposite normal.
+  VisibilityVote turned() const { return {possible, seen, -outward}; }
   void add(const VisibilityVote& other) {
     possible += other.possible;
     seen += other.seen;
