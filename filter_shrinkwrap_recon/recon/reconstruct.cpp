@@ -184,7 +184,8 @@ void match(SurfaceMesh parametric, const PointCloud& cloud, const std::vector<Ve
   result.mesh = to_result(matching, cloud, points);
   drop_faces(result.mesh, matching.opening_faces);
   std::vector<Index>& remaining = result.intersection_repair.remaining_faces;
-  remaining = indices_after_drop(remaining, matching.opening_faces);
+  if (!remaining.empty() && !matching.opening_faces.empty())  // some met dropped faces only
+    remaining = self_intersecting_faces(result.mesh.position, result.mesh.triangles, progress);
   result.mesh.face_quality = spanning_lengths(
       result.mesh, indices_after_drop(matching.spanning_faces, matching.opening_faces),
       result.spacing);
@@ -217,16 +218,13 @@ Reconstruction without_stages(Reconstruction& result) {
   return copy;
 }
 
-// What check_promise would refuse of a mesh, and whether faces that were dropped tore it.
-bool is_no_worse(const Reconstruction& second, const Reconstruction& first, Progress& progress) {
-  const auto measure = [&](const ResultMesh& mesh) {
-    MeshReportOptions options;
-    options.count_self_intersections = false;
-    return measure_mesh(mesh.position, mesh.triangles, mesh.position, options, progress);
-  };
-  const MeshReport report = measure(second.mesh);
-  return report.manifold() && (!report.closed() || report.outward()) &&
-         report.components <= measure(first.mesh).components;
+// Whether check_promise would take a mesh whose samples are matched.
+bool is_sound(const ResultMesh& mesh, Progress& progress) {
+  MeshReportOptions options;
+  options.count_self_intersections = false;
+  const MeshReport report =
+      measure_mesh(mesh.position, mesh.triangles, mesh.position, options, progress);
+  return report.manifold() && (!report.closed() || report.outward());
 }
 
 // Takes the better of two attempts, and reports it as `which`. The table tells the time that both
@@ -234,7 +232,7 @@ bool is_no_worse(const Reconstruction& second, const Reconstruction& first, Prog
 void keep_better(Reconstruction& first, Reconstruction& second, Index samples,
                  SecondAttempt Reconstruction::*which, Progress& progress) {
   SecondAttempt attempt = {true, false, faults_of(first, samples), faults_of(second, samples)};
-  attempt.is_taken = attempt.faults < attempt.faults_before && is_no_worse(second, first, progress);
+  attempt.is_taken = attempt.faults < attempt.faults_before && is_sound(second.mesh, progress);
   for (StageRecord& row : second.stages) {
     const auto same =
         std::find_if(first.stages.begin(), first.stages.end(),
