@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "shapes.h"
@@ -113,18 +114,18 @@ TEST(Orientation, CoarseViewsDoNotTurnTheInsideOfACup) {
   std::vector<Vec3> points;
   std::vector<char> is_inside;
   const auto add_wall = [&](double radius, double low, bool inside) {
-    const Index count = static_cast<Index>(6.28318530717958648 * radius * (kHeight - low));
+    const Index count = static_cast<Index>(2.0 * kPi * radius * (kHeight - low));
     for (Index i = 0; i < count; ++i) {
-      const double angle = random.uniform(0.0, 6.28318530717958648);
+      const double angle = random.uniform(0.0, 2.0 * kPi);
       points.push_back(
           {radius * std::cos(angle), radius * std::sin(angle), random.uniform(low, kHeight)});
       is_inside.push_back(inside);
     }
   };
   const auto add_disc = [&](double inner, double outer, double z, bool inside) {
-    const Index count = static_cast<Index>(3.14159265358979324 * (outer * outer - inner * inner));
+    const Index count = static_cast<Index>(kPi * (outer * outer - inner * inner));
     for (Index i = 0; i < count; ++i) {
-      const double angle = random.uniform(0.0, 6.28318530717958648);
+      const double angle = random.uniform(0.0, 2.0 * kPi);
       const double r = std::sqrt(random.uniform(inner * inner, outer * outer));
       points.push_back({r * std::cos(angle), r * std::sin(angle), z});
       is_inside.push_back(inside);
@@ -135,34 +136,47 @@ TEST(Orientation, CoarseViewsDoNotTurnTheInsideOfACup) {
   add_disc(0.0, kRadius, 0.0, false);
   add_disc(0.0, kRadius - kWall, kWall, true);
   add_disc(kRadius - kWall, kRadius, kHeight, false);
-  PointCloud cloud = prepare(points);
+  const auto count_wrong = [&](const OrientationOptions& options) {
+    PointCloud cloud = prepare(points);
+    Progress silent;
+    orient_normals(cloud, options, silent);
+    Index wrong = 0;
+    for (Index i = 0; i < cloud.size(); ++i) {
+      const Vec3 p = cloud.frame.to_input(cloud.position[i]);
+      if (p.z() < 2.0 * kWall || p.z() > kHeight - kWall) continue;
+      const double outward = Vec3(p.x(), p.y(), 0.0).dot(cloud.normal[i].cast<double>());
+      wrong += is_inside[cloud.input_index[i]] ? outward > 0.0 : outward < 0.0;
+    }
+    return wrong;
+  };
   OrientationOptions options;
   options.propagation_samples = 2000;
-  Progress silent;
-  orient_normals(cloud, options, silent);
-  Index wrong = 0;
-  for (Index i = 0; i < cloud.size(); ++i) {
-    const Vec3 p = cloud.frame.to_input(cloud.position[i]);
-    const Vec3 away(p.x(), p.y(), 0.0);
-    if (p.z() < 2.0 * kWall || p.z() > kHeight - kWall) continue;
-    const double outward = away.dot(cloud.normal[i].cast<double>());
-    wrong += is_inside[cloud.input_index[i]] ? outward > 0.0 : outward < 0.0;
-  }
-  EXPECT_LT(wrong, cloud.size() / 200);
+  EXPECT_LT(count_wrong(options), 100);
+  options.judging_samples = 2000;
+  EXPECT_GT(count_wrong(options), 5000);
 }
 
-// Views see its hills from above and its valleys from below.
+// Views see its hills from above and its valleys from below, and the edges between are sharp.
 TEST(Orientation, ASheetOfHillsAndValleysHasOneSide) {
+  const auto zigzag = [](double x) { return std::abs(std::fmod(x + 140.0, 14.0) - 7.0); };
   std::vector<Vec3> points;
   Random random(5);
-  for (int x = 0; x < 80; ++x)
-    for (int y = 0; y < 80; ++y) {
-      const Vec3 p(x + random.uniform(-0.3, 0.3), y + random.uniform(-0.3, 0.3), 0.0);
-      points.push_back(p + Vec3(0.0, 0.0, 5.0 * std::sin(0.25 * p.x()) * std::sin(0.25 * p.y())));
+  for (int i = 0; i < 80; ++i)
+    for (int j = 0; j < 80; ++j) {
+      const double x = i + random.uniform(-0.3, 0.3), y = j + random.uniform(-0.3, 0.3);
+      points.push_back({x, y, 0.6 * (zigzag(x) + zigzag(y))});
     }
-  PointCloud cloud = prepare(points);
-  orient(cloud);
-  for (Index i = 0; i < cloud.size(); ++i) ASSERT_GT(cloud.normal[i].z(), 0.0f);
+  const auto count_downward = [&](const OrientationOptions& options) {
+    PointCloud cloud = prepare(points);
+    Progress silent;
+    orient_normals(cloud, options, silent);
+    return std::count_if(cloud.normal.begin(), cloud.normal.end(),
+                         [](const Vec3f& normal) { return normal.z() < 0.0f; });
+  };
+  EXPECT_EQ(count_downward({}), 0);
+  OrientationOptions as_if_a_body;
+  as_if_a_body.least_of_a_body = 0.0;
+  EXPECT_GT(count_downward(as_if_a_body), 0);
 }
 
 // Few of the samples are drawn at first, so coarsely that the two sides of the plate are one.

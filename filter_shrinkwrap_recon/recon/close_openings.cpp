@@ -14,9 +14,8 @@ namespace shrinkwrap {
 namespace {
 
 constexpr int kRounds = 60;
-constexpr int kTurningRound = 8;      // from here on also by collapses that turn a face
-constexpr double kLeastCosine = 0.2;  // a face turns if its normal comes closer to a right angle
-constexpr int kStalls = 3;            // rounds without a removal, edges flipped after each
+constexpr int kTurningRound = 8;  // from here on also by collapses that turn a face
+constexpr int kStalls = 3;        // rounds without a removal, edges flipped after each
 
 class OpeningCloser {
  public:
@@ -118,7 +117,7 @@ class OpeningCloser {
     return std::any_of(fresh_.begin(), fresh_.end(), [&](const Triangle& t) {
       const Vec3 &a = mesh_.position[t[0]], &b = mesh_.position[t[1]], &c = mesh_.position[t[2]];
       const Vec3 area = (b - a).cross(c - a);
-      return area.dot(normal) < kLeastCosine * area.norm() * normal.norm();
+      return area.dot(normal) < CollapseRating::kLeastCosine * area.norm() * normal.norm();
     });
   }
 

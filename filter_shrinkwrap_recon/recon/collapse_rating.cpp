@@ -9,7 +9,6 @@ namespace shrinkwrap {
 namespace {
 
 constexpr double kNormalWeight = 3.0;
-constexpr double kLeastCosine = 0.2;  // below, a new face counts as turned away
 constexpr double kTurnedWeight = 100.0;
 constexpr Index kMaxFaces = 1024;      // to rate for one vertex, unless ...
 constexpr Index kLeastCandidates = 8;  // ... there would be fewer candidates than this

@@ -15,7 +15,9 @@ class CollapseRating {
  public:
   /// Refused: not to be considered (any more).
   static constexpr double kRefused = std::numeric_limits<double>::infinity();
-  /// Costs from here on are those of collapses that turn a face away, min n.n_v < 0.2.
+  /// Below this n.n_v a face counts as turned away; costs of such collapses are from kTurnedCost
+  /// on.
+  static constexpr double kLeastCosine = 0.2;
   static constexpr double kTurnedCost = 10.0;
   struct Candidate {
     double cost;

@@ -9,7 +9,8 @@
 namespace shrinkwrap {
 
 struct FinishReport {
-  RepairReport repair;      ///< `faces_after` and `remaining_faces` are of the mesh as it comes out
+  /// `faces_after` and `remaining_faces` are those that stay, of the mesh as it comes out.
+  RepairReport repair;
   Index removed_extra = 0;  ///< vertices that are no sample, removed after all
 };
 

@@ -184,8 +184,7 @@ void match(SurfaceMesh parametric, const PointCloud& cloud, const std::vector<Ve
   result.mesh = to_result(matching, cloud, points);
   drop_faces(result.mesh, matching.opening_faces);
   std::vector<Index>& remaining = result.intersection_repair.remaining_faces;
-  if (!remaining.empty() && !matching.opening_faces.empty())  // some met dropped faces only
-    remaining = self_intersecting_faces(result.mesh.position, result.mesh.triangles, progress);
+  remaining = indices_after_drop(remaining, matching.opening_faces);
   result.mesh.face_quality = spanning_lengths(
       result.mesh, indices_after_drop(matching.spanning_faces, matching.opening_faces),
       result.spacing);
