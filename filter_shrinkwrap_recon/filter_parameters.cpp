@@ -31,6 +31,7 @@ constexpr char kBoxRelaxation[] = "BoxRelaxation";
 constexpr char kControlVertices[] = "ControlVertices";
 constexpr char kFitIterations[] = "FitIterations";
 constexpr char kAttraction[] = "Attraction";
+constexpr char kCreaseAngle[] = "CreaseAngle";
 constexpr char kRepairIntersections[] = "RepairIntersections";
 constexpr char kCountIntersections[] = "CountIntersections";
 constexpr char kFailIfIncomplete[] = "FailIfIncomplete";
@@ -261,6 +262,16 @@ Parameter attraction() {
              "samples. No unit; range 0 to 1."));
 }
 
+Parameter crease_angle() {
+  return advanced(number(
+      Kind::real, kCreaseAngle, "Well-shaped below a bend of (degrees)", 0.0, 0.0, 180.0,
+      "Where the faces of the result bend less than this, edges are chosen for the shape of their "
+      "triangles (Delaunay), elsewhere so that the mesh bends least. 0: least bending everywhere, "
+      "which is nearest to a smooth surface. Raised (30 to 45): larger smallest angles, sharp "
+      "edges stay; about the faces that Ball Pivoting would choose. Can be applied to a finished "
+      "mesh. Unit: degrees; range 0 to 180."));
+}
+
 void append(std::vector<Parameter>& list, const std::vector<Parameter>& more) {
   list.insert(list.end(), more.begin(), more.end());
 }
@@ -426,6 +437,7 @@ std::vector<Parameter> parameters_of(Filter filter) {
               method(),
               openings(),
               widest_opening(),
+              crease_angle(),
               repair_intersections()};
       break;
     case Filter::matching_report:
@@ -483,6 +495,9 @@ FilterRequest request_of(Filter filter, const ParameterValues& values) {
   reader.read(kControlVertices, options.control_mesh.target_vertices);
   reader.read(kFitIterations, options.parametric_surface.iterations);
   if (reader.is_on(kAttraction)) reader.read(kAttraction, options.parametric_surface.attraction);
+  double degrees = 0.0;
+  reader.read(kCreaseAngle, degrees);
+  options.edge_optimisation.crease_angle = degrees * kPi / 180.0;
   reader.read(kRepairIntersections, options.intersection_repair.enabled);
   reader.read(kCountIntersections, options.report.count_self_intersections);
   int openings = static_cast<int>(options.complete_matching.openings);

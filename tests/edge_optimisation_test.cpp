@@ -9,6 +9,7 @@
 #include <cmath>
 #include <map>
 
+#include "delaunay_flips.h"
 #include "expect_mesh.h"
 #include "shapes.h"
 
@@ -248,6 +249,71 @@ TEST(BendingCriterion, SurvivesDegenerateTriangles) {
   Progress progress;
   optimise_edges(mesh, {}, progress);
   expect_closed_manifold(mesh, 1, 0);
+}
+
+// Edges of a torus flipped at random where that leaves both faces an area.
+void flip_some(SurfaceMesh& mesh, Random& random) {
+  for (Index h = 0; h < mesh.halfedge_slots(); ++h) {
+    if (random.below(3) != 0 || !mesh.is_flip_legal(h)) continue;
+    const Index o = mesh.twin(h);
+    const Vec3 outward = mesh.area_vector(SurfaceMesh::face(h)).normalized() +
+                         mesh.area_vector(SurfaceMesh::face(o)).normalized();
+    mesh.flip(h);
+    for (const Index f : {SurfaceMesh::face(h), SurfaceMesh::face(o)})
+      if (mesh.area_vector(f).normalized().dot(outward) < 1.0) {
+        mesh.flip_back(h);
+        break;
+      }
+  }
+}
+
+TEST(CreaseAngle, MakesSmoothSurfacesDelaunay) {
+  Random random(9);
+  SurfaceMesh bent = testing::torus_mesh(120, 40);
+  for (Vec3& p : bent.position) p += 0.003 * random.in_cube();
+  flip_some(bent, random);
+  SurfaceMesh shaped = bent;
+  Progress progress;
+  EdgeOptimisationOptions options;
+  optimise_edges(bent, options, progress);
+  options.crease_angle = kPi;
+  optimise_edges(shaped, options, progress);
+  const auto wanted = [](const SurfaceMesh& mesh) {
+    Index count = 0;
+    for (Index h = 0; h < mesh.halfedge_slots(); ++h)
+      count += wants_delaunay_flip(mesh, h) && mesh.is_flip_legal(h);
+    return count;
+  };
+  EXPECT_GT(wanted(bent), 100);
+  EXPECT_EQ(wanted(shaped), 0);
+  EXPECT_GT(median_smallest_angle(shaped), median_smallest_angle(bent));
+  expect_closed_manifold(shaped, 1, 1);
+}
+
+TEST(CreaseAngle, LeavesCreasesAlone) {
+  // A rod of long squares, whose inner vertices stand opposite to the middle of the edges of its
+  // sides: Delaunay alone would cut these edges.
+  Random random(10);
+  SurfaceMesh mesh = cube(12, random);
+  const auto is_inner = [](const Vec3& p) { return (p.cwiseAbs().array() < 1.0).count() == 2; };
+  for (Vec3& p : mesh.position)
+    p.x() = 8.0 * (p.x() + (is_inner(p) && std::abs(p.x()) < 1.0 ? 1.0 / 12.0 : 0.0));
+  const std::vector<Vec3> outward(mesh.position);
+  const auto faces_across_edges = [&] {
+    SurfaceMesh as_cube = mesh;
+    for (Vec3& p : as_cube.position) p.x() /= 8.0;
+    Index count = 0;
+    for (Index f = 0; f < mesh.face_slots(); ++f) count += !lies_in_one_side(as_cube, f);
+    return count;
+  };
+  Progress progress;
+  EdgeOptimisationOptions options;
+  options.crease_angle = kPi / 6.0;
+  EXPECT_GT(optimise_edges(mesh, options, progress, {}, &outward).flips, 0);
+  EXPECT_EQ(faces_across_edges(), 0);
+  options.crease_angle = kPi;
+  optimise_edges(mesh, options, progress, {}, &outward);
+  EXPECT_GT(faces_across_edges(), 20);
 }
 
 TEST(EdgeOptimisationOfATetrahedron, FlipsNothing) {

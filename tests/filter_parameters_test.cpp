@@ -88,6 +88,7 @@ TEST(FilterParameters, DefaultsAreTheLibrarys) {
     EXPECT_EQ(options.parametric_surface.iterations, expected.parametric_surface.iterations);
     EXPECT_EQ(options.parametric_surface.attraction, expected.parametric_surface.attraction);
     EXPECT_EQ(options.complete_matching.openings, expected.complete_matching.openings);
+    EXPECT_EQ(options.edge_optimisation.crease_angle, expected.edge_optimisation.crease_angle);
     EXPECT_EQ(options.report.count_self_intersections, expected.report.count_self_intersections);
     EXPECT_EQ(options.stop_at_parametric_surface, expected.stop_at_parametric_surface);
     EXPECT_EQ(options.keep_stages, expected.keep_stages);
@@ -134,6 +135,11 @@ TEST(FilterParameters, ValuesReachTheirOption) {
   ParameterValues of_control = default_values(Filter::control_mesh);
   of_control["ControlVertices"] = 500;
   EXPECT_EQ(request_of(Filter::control_mesh, of_control).options.control_mesh.target_vertices, 500);
+  ParameterValues of_edges = default_values(Filter::edge_optimisation);
+  of_edges["CreaseAngle"] = 45;
+  EXPECT_DOUBLE_EQ(
+      request_of(Filter::edge_optimisation, of_edges).options.edge_optimisation.crease_angle,
+      kPi / 4.0);
 }
 
 // The host of 2020.09 folds nothing away: a row is some 31 pixels.

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "delaunay_flips.h"
 #include "triangle_geometry.h"
 #include "vertex_blocks.h"
 
@@ -237,6 +238,44 @@ class QuadricCriterion {
   std::vector<Quadric> quadric_;  // per vertex
 };
 
+// Delaunay, as far as no edge of a hinge bends by more than the crease angle, or than before.
+class DelaunayCriterion {
+ public:
+  DelaunayCriterion(SurfaceMesh& mesh, double crease_angle)
+      : mesh_(mesh), crease_cosine_(std::cos(crease_angle)) {}
+
+  bool try_flip(const Hinge& hinge) {
+    if (!wants_delaunay_flip(mesh_, hinge.diagonal)) return false;
+    const auto [bc, ca, ad, db] = hinge.side;
+    const Vec3 &a = mesh_.position[hinge.corner[0]], &b = mesh_.position[hinge.corner[1]],
+               &c = mesh_.position[hinge.corner[2]], &d = mesh_.position[hinge.corner[3]];
+    const Vec3 old_first = normal_of(hinge.diagonal),
+               old_second = normal_of(hinge.opposite_diagonal),
+               new_first = unit_or_zero((c - d).cross(a - d)),
+               new_second = unit_or_zero((b - d).cross(c - d));
+    if (is_creased(new_first.dot(new_second), old_first.dot(old_second))) return false;
+    const auto creases = [&](Index side, const Vec3& after, const Vec3& before) {
+      const Vec3 beyond = normal_of(mesh_.twin(side));
+      return is_creased(after.dot(beyond), before.dot(beyond));
+    };
+    if (creases(ca, new_first, old_first) || creases(bc, new_second, old_first) ||
+        creases(ad, new_first, old_second) || creases(db, new_second, old_second))
+      return false;
+    if (!mesh_.is_flip_legal(hinge.diagonal)) return false;
+    mesh_.flip(hinge.diagonal);
+    return true;
+  }
+
+ private:
+  Vec3 normal_of(Index h) const { return unit_or_zero(mesh_.area_vector(SurfaceMesh::face(h))); }
+  bool is_creased(double cosine_after, double cosine_before) const {
+    return cosine_after < std::min(cosine_before, crease_cosine_);
+  }
+
+  SurfaceMesh& mesh_;
+  double crease_cosine_;
+};
+
 // Looks at every edge, and again at those around each flip, until no flip helps.
 template <class Criterion>
 Index flip_all(SurfaceMesh& mesh, Criterion& criterion, const std::vector<Index>& fixed_faces,
@@ -311,14 +350,21 @@ EdgeOptimisationReport optimise_edges(SurfaceMesh& mesh, const EdgeOptimisationO
   progress.set_range(0.0, 0.2);
   std::vector<Vec3f> guide = normals_of_vertices(mesh, guide_normals, progress);
   EdgeOptimisationReport report;
+  const bool is_delaunay = options.crease_angle > 0.0;
+  const double flipped = is_delaunay ? 0.8 : 1.0;
   if (options.criterion == EdgeOptimisationOptions::Criterion::quadric) {
     QuadricCriterion criterion(mesh, options, std::move(guide), progress);
-    progress.set_range(0.2, 1.0);
+    progress.set_range(0.2, flipped);
     report.flips = flip_all(mesh, criterion, fixed_faces, progress);
   } else {
     BendingCriterion criterion(mesh, options, std::move(guide), progress);
-    progress.set_range(0.2, 1.0);
+    progress.set_range(0.2, flipped);
     report.flips = flip_all(mesh, criterion, fixed_faces, progress);
+  }
+  if (is_delaunay) {
+    DelaunayCriterion criterion(mesh, options.crease_angle);
+    progress.set_range(flipped, 1.0);
+    report.flips += flip_all(mesh, criterion, fixed_faces, progress);
   }
   turn_outward(mesh);
   progress.update(1.0);

@@ -21,14 +21,19 @@ struct EdgeOptimisationOptions {
   double shape_weight = 0.03;
   double least_gain =
       1e-5;  ///< x mean hinge edge length: smaller gains do not flip (planes would cycle)
+  /// Radians. Above 0: when no flip lowers the criterion, edges become Delaunay wherever that bends
+  /// none of the hinge by more than this, or by more than before. Triangles are better shaped then,
+  /// and those of a smooth surface are further from it: bending tells where it lies.
+  double crease_angle = 0.0;
 };
 
 struct EdgeOptimisationReport {
   Index flips = 0;
 };
 
-/// Flips edges while that lowers the criterion and turns no face away from the surface. Vertices do
-/// not move. The surface is known by `guide_normals`, one per vertex; without, by the area-weighted
+/// Flips edges while that lowers the criterion and turns no face away from the surface, then, if
+/// there is a crease angle, towards the Delaunay triangulation between creases. Vertices do not
+/// move. The surface is known by `guide_normals`, one per vertex; without, by the area-weighted
 /// vertex normals of the mesh as given. Edges of `fixed_faces` stay.
 /// Pre: closed mesh without removed slots, vertices in any order (best along a Morton curve).
 /// Post: same vertices, same topology, closed 2-manifold. O(E) expected, bounded in any case;
