@@ -118,16 +118,17 @@ std::string notches_filled(Index count) {
 }
 
 void tell_of_attempts(const Reconstruction& result, FilterOutcome& outcome) {
-  const auto tell = [&](const SecondAttempt& attempt, const char* what) {
+  const auto tell = [&](const SecondAttempt& attempt, const std::string& what) {
     if (!attempt.is_made) return;
-    outcome.log.push_back(what + count_of(attempt.faults, "faulty face") + " instead of " +
-                          std::to_string(attempt.faults_before) + ", and was " +
-                          (attempt.is_taken ? "taken" : "not taken") +
-                          " (faces that meet others, or have a corner that is no sample).");
+    const std::string faults = count_of(attempt.faults_before, "faulty face") +
+                               " (faces that meet others, or have a corner that is no sample)";
+    outcome.log.push_back("Matched again because of " + faults + ", " + what + ": " +
+                          (attempt.is_finished ? std::to_string(attempt.faults) + " then, and " +
+                                                     (attempt.is_taken ? "taken" : "not taken")
+                                               : "no mesh came of it"));
   };
-  tell(result.backs,
-       "Sheets: a second attempt that took their backs, where no sample is, for openings leaves ");
-  tell(result.smoothing, "Noise: a second attempt with a surface that was smoothed for it leaves ");
+  tell(result.backs, "with the backs of sheets, where no sample is, as openings");
+  tell(result.smoothing, "with a surface smoothed for the noise");
 }
 
 std::string openings_line(const OpeningsReport& report) {

@@ -146,8 +146,8 @@ TEST(FilterRuns, ChainThroughTheSamplesOfANoisyCloudGivesTheBytesOfTheOneShot) {
   FilterInput input;
   input.points = in_single_precision(sample_shape(ShapeKind::bowl, 2500, 2, defects));
   const FilterOutcome one_shot = run(Filter::reconstruct, input);
-  ASSERT_TRUE(is_told(one_shot, "was smoothed for it"));
-  ASSERT_TRUE(is_told(one_shot, "and was taken"));
+  ASSERT_TRUE(is_told(one_shot, "with a surface smoothed for the noise"));
+  ASSERT_TRUE(is_told(one_shot, "and taken"));
   expect_same_bytes(one_shot.mesh, run_chain(input.points, {{"SmoothForNoise", 1}}).mesh);
 }
 
@@ -156,7 +156,7 @@ TEST(FilterRuns, ChainOverASheetGivesTheBytesOfTheOneShot) {
   input.points = in_single_precision(sample_strip(600, 4));
   for (const double openings : {0.0, 1.0, 2.0}) {
     const FilterOutcome one_shot = run(Filter::reconstruct, input, {{"Openings", openings}});
-    ASSERT_TRUE(is_told(one_shot, "and was taken"));
+    ASSERT_TRUE(is_told(one_shot, "and taken"));
     const ParameterValues chain = {{"Openings", openings}, {"BacksAreOpenings", 1}};
     expect_same_bytes(one_shot.mesh, run_chain(input.points, chain).mesh);
   }

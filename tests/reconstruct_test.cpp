@@ -112,6 +112,38 @@ TEST(Reconstruct, ASheetHasOneSide) {
   }
 }
 
+TEST(Reconstruct, ProgressGoesOnInASecondAttempt) {
+  ReconstructionOptions options;
+  options.complete_matching.openings = CompleteMatchingOptions::Openings::leave_open;
+  std::vector<double> begins;  // of stages
+  std::string stage;
+  Progress progress(
+      [&](double fraction, const char* current) {
+        if (current != stage) begins.push_back(fraction);
+        stage = current;
+        return true;
+      },
+      stages_of(options));
+  ASSERT_TRUE(reconstruct(sample_strip(600, 1), options, progress).backs.is_made);
+  // Matching and edges come twice. The weights of stages are the same, so every begin is later.
+  ASSERT_EQ(begins.size(), stages_of(options).size() + 2);
+  for (std::size_t i = 1; i < begins.size(); ++i) EXPECT_GT(begins[i], begins[i - 1]) << i;
+}
+
+TEST(Reconstruct, MostFacesAtFaultAreMadeOnce) {
+  // Points of all magnitudes, as in a damaged file, show no surface.
+  testing::Random random(12);
+  std::vector<Vec3> points;
+  for (int i = 0; i < 300; ++i)
+    points.push_back(rounded_to_single(std::pow(10.0, 24.0 * random.uniform()) * random.in_cube()));
+  ReconstructionOptions options;
+  options.outliers.exclude = false;
+  const Reconstruction result = reconstruct_silently(points, options);
+  EXPECT_GT(result.intersection_repair.remaining_faces.size(), result.mesh.triangles.size() / 2);
+  EXPECT_FALSE(result.backs.is_made);
+  EXPECT_FALSE(result.smoothing.is_made);
+}
+
 TEST(Reconstruct, TablesOfThePaper) {
   // Box, control mesh and parametric surface of tables 1 and 2 for their two sample counts.
   for (const auto& [samples, initial, control, parametric] :

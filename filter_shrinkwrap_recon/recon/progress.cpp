@@ -67,11 +67,6 @@ void Progress::set_range(double from, double to) {
   range_to_ = to;
 }
 
-void Progress::set_attempt(double from, double to) {
-  attempt_from_ = from;
-  attempt_to_ = to;
-}
-
 void Progress::set_part(double from, double to) {
   part_from_ = from;
   part_to_ = to;
@@ -91,7 +86,7 @@ void Progress::call(double fraction_of_part) {
   const int i = static_cast<int>(stage_);
   const double within = part_from_ + (part_to_ - part_from_) * fraction_of_part;
   const double fraction = std::min(stage_begin_[i] + stage_weight_[i] * within, 1.0);
-  const double of_run = attempt_from_ + (attempt_to_ - attempt_from_) * fraction;
+  const double of_run = share_from_ + (share_to_ - share_from_) * fraction;
   last_fraction_ = std::max(last_fraction_, of_run);
   if (!callback_(last_fraction_, stage_name(stage_))) {
     cancelled_.store(true, std::memory_order_relaxed);

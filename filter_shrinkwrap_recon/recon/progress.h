@@ -57,12 +57,13 @@ class Progress {
   /// Maps `update` of the code that follows to [from, to] of the current stage. Sub-ranges do not
   /// nest.
   void set_range(double from, double to);
-  /// Maps the whole run, from here on, to [from, to] of it: for one that may have to begin again.
-  void set_attempt(double from, double to);
+  /// The fraction of the whole run at which a declared stage begins.
+  double begin_of(Stage stage) const { return stage_begin_[static_cast<int>(stage)]; }
   /// True once the callback has asked to stop.
   bool cancelled() const { return cancelled_.load(std::memory_order_relaxed); }
 
  private:
+  friend class ProgressShare;
   void call(double fraction_of_part);
 
   Callback callback_;
@@ -70,12 +71,33 @@ class Progress {
   double stage_begin_[kStageCount] = {};
   double stage_weight_[kStageCount] = {};
   Stage stage_ = Stage::samples;
-  double range_from_ = 0.0, range_to_ = 1.0;      // of the part
-  double part_from_ = 0.0, part_to_ = 1.0;        // of the stage
-  double attempt_from_ = 0.0, attempt_to_ = 1.0;  // of the run
+  double range_from_ = 0.0, range_to_ = 1.0;  // of the part
+  double part_from_ = 0.0, part_to_ = 1.0;    // of the stage
+  double share_from_ = 0.0, share_to_ = 1.0;  // of the run
   double last_fraction_ = 0.0;
   std::chrono::steady_clock::time_point last_call_{};
   std::atomic<bool> cancelled_{false};
+};
+
+/// While it lives, the whole run is mapped to [from, to] of what it was mapped to before: for a run
+/// that may have to begin again, or from some stage on. Shares nest.
+class ProgressShare {
+ public:
+  ProgressShare(Progress& progress, double from, double to)
+      : progress_(progress), from_(progress.share_from_), to_(progress.share_to_) {
+    progress.share_from_ = from_ + (to_ - from_) * from;
+    progress.share_to_ = from_ + (to_ - from_) * to;
+  }
+  ~ProgressShare() {
+    progress_.share_from_ = from_;
+    progress_.share_to_ = to_;
+  }
+  ProgressShare(const ProgressShare&) = delete;
+  ProgressShare& operator=(const ProgressShare&) = delete;
+
+ private:
+  Progress& progress_;
+  double from_, to_;
 };
 
 }  // namespace shrinkwrap

@@ -208,6 +208,12 @@ Index faults_of(const Reconstruction& result, Index samples) {
   return count;
 }
 
+// Whether a second attempt may help. A cloud most of whose faces are at fault shows no surface.
+bool is_worth_another(const Reconstruction& result, Index samples) {
+  const Index faults = faults_of(result, samples);
+  return faults > 0 && faults < static_cast<Index>(result.mesh.triangles.size()) / 2;
+}
+
 // A copy without the stages so far, which may hold meshes.
 Reconstruction without_stages(Reconstruction& result) {
   std::vector<StageRecord> stages;
@@ -228,10 +234,8 @@ bool is_sound(const ResultMesh& mesh, Progress& progress) {
 
 // Takes the better of two attempts, and reports it as `which`. The table tells the time that both
 // took.
-void keep_better(Reconstruction& first, Reconstruction& second, Index samples,
-                 SecondAttempt Reconstruction::*which, Progress& progress) {
-  SecondAttempt attempt = {true, false, faults_of(first, samples), faults_of(second, samples)};
-  attempt.is_taken = attempt.faults < attempt.faults_before && is_sound(second.mesh, progress);
+void keep_better(Reconstruction& first, Reconstruction& second, const SecondAttempt& attempt,
+                 SecondAttempt Reconstruction::*which) {
   for (StageRecord& row : second.stages) {
     const auto same =
         std::find_if(first.stages.begin(), first.stages.end(),
@@ -249,6 +253,24 @@ void keep_better(Reconstruction& first, Reconstruction& second, Index samples,
   first.*which = attempt;
 }
 
+// Makes `second` by `make`, and keeps the better of the two. There is a mesh already: that the
+// second cannot be finished is no failure of the run.
+template <class Make>
+void try_again(Reconstruction& first, Reconstruction& second, Index samples,
+               SecondAttempt Reconstruction::*which, Progress& progress, const Make& make) {
+  SecondAttempt attempt;
+  attempt.is_made = true;
+  attempt.faults_before = faults_of(first, samples);
+  try {
+    make();
+    attempt.is_finished = true;
+    attempt.faults = faults_of(second, samples);
+    attempt.is_taken = attempt.faults < attempt.faults_before && is_sound(second.mesh, progress);
+  } catch (const ReconstructionFailed&) {
+  }
+  keep_better(first, second, attempt, which);
+}
+
 // The same again with the backs of sheets as openings, where they may have done harm. Near the
 // samples of the front, they run into it; but a thin wall has a back too.
 void match_sheets(SurfaceMesh parametric, const PointCloud& cloud, const std::vector<Vec3>& points,
@@ -259,17 +281,20 @@ void match_sheets(SurfaceMesh parametric, const PointCloud& cloud, const std::ve
     match(std::move(parametric), cloud, points, options, result, log, progress);
     return;
   }
+  constexpr double kFirst = 0.75;  // of what is left of the run
+  const double begin = progress.begin_of(Stage::complete_matching);
   Reconstruction second = without_stages(result);
-  match(parametric, cloud, points, options, result, log, progress);
-  if (result.complete_matching.backs == 0 || faults_of(result, cloud.size()) == 0) return;
+  {
+    const ProgressShare share(progress, (1.0 - kFirst) * begin, (1.0 - kFirst) * begin + kFirst);
+    match(parametric, cloud, points, options, result, log, progress);
+  }
+  if (result.complete_matching.backs == 0 || !is_worth_another(result, cloud.size())) return;
   options.complete_matching.backs_are_openings = true;
-  try {
+  const ProgressShare share(progress, kFirst, 1.0);
+  try_again(result, second, cloud.size(), &Reconstruction::backs, progress, [&] {
     StageLog second_log(second, options);
     match(std::move(parametric), cloud, points, options, second, second_log, progress);
-    keep_better(result, second, cloud.size(), &Reconstruction::backs, progress);
-  } catch (const ReconstructionFailed&) {
-    // There is a mesh already.
-  }
+  });
   log.skip();
 }
 
@@ -292,22 +317,16 @@ void match_smoothed(PointCloud& cloud, const std::vector<Vec3>& points, const No
 void match_noisy(PointCloud& cloud, const std::vector<Vec3>& points, const NoiseEstimate& noise,
                  const ReconstructionOptions& options, Reconstruction& result, Progress& progress) {
   Reconstruction second = without_stages(result);
-  progress.set_attempt(0.0, 0.5);
   {
+    const ProgressShare share(progress, 0.0, 0.5);
     StageLog log(result, options);
     match_sheets(make_surface(cloud, options, result, log, progress), cloud, points, options,
                  result, log, progress);
   }
-  if (faults_of(result, cloud.size()) > 0) {
-    progress.set_attempt(0.5, 1.0);
-    try {
-      match_smoothed(cloud, points, noise, options, second, progress);
-      keep_better(result, second, cloud.size(), &Reconstruction::smoothing, progress);
-    } catch (const ReconstructionFailed&) {
-      // There is a mesh already.
-    }
-  }
-  progress.set_attempt(0.0, 1.0);
+  if (!is_worth_another(result, cloud.size())) return;
+  const ProgressShare share(progress, 0.5, 1.0);
+  try_again(result, second, cloud.size(), &Reconstruction::smoothing, progress,
+            [&] { match_smoothed(cloud, points, noise, options, second, progress); });
 }
 
 Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions options,

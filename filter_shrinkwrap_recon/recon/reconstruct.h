@@ -61,11 +61,12 @@ struct StageRecord {
 };
 
 /// A mesh that has faults - faces that meet others, or that have a corner that is no sample - may
-/// get a second attempt; that with fewer faulty faces is taken.
+/// get a second attempt, unless most faces are faulty; that with fewer faulty faces is taken.
 struct SecondAttempt {
   bool is_made = false;
+  bool is_finished = false;  ///< false: no mesh came of it
   bool is_taken = false;
-  Index faults_before = 0, faults = 0;  ///< faces
+  Index faults_before = 0, faults = 0;  ///< faces; `faults` only if finished
 };
 
 struct Reconstruction {

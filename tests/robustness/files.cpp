@@ -303,12 +303,13 @@ void run(const File& file, int threads, const Say& say) {
 
 }  // namespace
 
-Job file_job(std::uint64_t number, int threads) {
+Job file_job(std::uint64_t number, int threads, bool with_input) {
   Job job;
   const File file = make_file(number);
   job.description.add("extension", file.extension)
       .add("points_written", file.points)
       .add("damages", file.damages);
+  if (with_input) job.file = file.content;
   job.limits.memory_bytes = std::uint64_t{2} << 30;
   job.work = [file, threads](const Say& say) { run(file, threads, say); };
   return job;

@@ -14,6 +14,6 @@ constexpr char kImporting[] = "importing\n";
 /// A file in one of several formats, made from a number: mostly damaged, by cutting it off,
 /// changing bytes or words, or false counts. It is written to the folder of temporary files,
 /// imported, reconstructed and judged, and a mesh in it is measured.
-Job file_job(std::uint64_t number, int threads);
+Job file_job(std::uint64_t number, int threads, bool with_input);
 
 }  // namespace shrinkwrap::robustness

@@ -34,11 +34,11 @@ std::array<GalleryVariant, 5> gallery_variants() {
            {"as_in_the_paper", as_in_the_paper(), false}}};
 }
 
-Job cloud_job(std::uint64_t number, int threads, bool with_points) {
+Job cloud_job(std::uint64_t number, int threads, bool with_input) {
   Job job;
   const Case generated = case_of(number);
   job.description = describe(generated);
-  if (with_points) job.points = cloud_of(generated).points;
+  if (with_input) job.points = cloud_of(generated).points;
   job.work = [generated, threads](const Say& say) {
     const CaseCloud cloud = cloud_of(generated);
     ReconstructionOptions options = options_of(generated);
@@ -57,7 +57,7 @@ Job cloud_job(std::uint64_t number, int threads, bool with_points) {
   return job;
 }
 
-Job gallery_job(std::uint64_t number, bool with_points) {
+Job gallery_job(std::uint64_t number, bool with_input) {
   Job job;
   const auto variants = gallery_variants();
   const std::uint64_t index = number % kNumbersPerSeed;
@@ -72,7 +72,7 @@ Job gallery_job(std::uint64_t number, bool with_points) {
       .add("variant", variant.name)
       .add("points", exhibit.points.size())
       .add("resolved", exhibit.expectation.resolved);
-  if (with_points) job.points = exhibit.points;
+  if (with_input) job.points = exhibit.points;
   job.work = [exhibit, options = variant.options](const Say& say) {
     say(to_message(attempt(exhibit.points, options, exhibit.expectation, true)));
   };
@@ -86,14 +86,14 @@ std::uint64_t most_jobs(const std::string& kind) {
   return kNumbersPerSeed;
 }
 
-Job make_job(const std::string& kind, std::uint64_t number, int threads, bool with_points) {
+Job make_job(const std::string& kind, std::uint64_t number, int threads, bool with_input) {
   Job job;
   if (kind == "clouds")
-    job = cloud_job(number, threads, with_points);
+    job = cloud_job(number, threads, with_input);
   else if (kind == "gallery")
-    job = gallery_job(number, with_points);
+    job = gallery_job(number, with_input);
   else if (kind == "files")
-    job = file_job(number, threads);
+    job = file_job(number, threads, with_input);
   else
     throw std::invalid_argument("there are no jobs called '" + kind + "'");
   job.name = kind + ":" + std::to_string(number);
@@ -101,11 +101,11 @@ Job make_job(const std::string& kind, std::uint64_t number, int threads, bool wi
   return job;
 }
 
-Job make_job(const std::string& name, int threads, bool with_points) {
+Job make_job(const std::string& name, int threads, bool with_input) {
   const std::size_t colon = name.find(':');
   if (colon == std::string::npos)
     throw std::invalid_argument("'" + name + "' is no job: one is called 'clouds:1000003'");
-  return make_job(name.substr(0, colon), std::stoull(name.substr(colon + 1)), threads, with_points);
+  return make_job(name.substr(0, colon), std::stoull(name.substr(colon + 1)), threads, with_input);
 }
 
 std::string message_of(const ChildOutcome& outcome) {

@@ -18,7 +18,9 @@ struct Job {
   benchmarking::JsonLine description;
   ChildLimits limits;
   Work work;  ///< says a message as to_message makes it, after what it says of its progress
-  std::vector<Vec3> points;  ///< unless they come from a file; only if asked for
+  // Only if asked for:
+  std::vector<Vec3> points;  ///< unless they come from a file
+  std::string file;          ///< its content, if they do
 };
 
 /// Numbers of the jobs of one seed are this far apart.
@@ -29,9 +31,9 @@ std::uint64_t most_jobs(const std::string& kind);
 
 /// `kind` is "clouds", "gallery" or "files". `threads` as in ReconstructionOptions.
 /// Throws std::invalid_argument if there is no such job.
-Job make_job(const std::string& kind, std::uint64_t number, int threads, bool with_points = false);
+Job make_job(const std::string& kind, std::uint64_t number, int threads, bool with_input = false);
 /// By name.
-Job make_job(const std::string& name, int threads, bool with_points = false);
+Job make_job(const std::string& name, int threads, bool with_input = false);
 
 /// What a child that ended has to say: its message, or the verdict that it could not say itself.
 std::string message_of(const ChildOutcome& outcome);

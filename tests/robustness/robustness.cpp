@@ -1,6 +1,6 @@
 // robustness [clouds N] [gallery N] [files N] [--seed S] [--jobs J] [--threads T]
 //            [--seconds S] [--log FILE.jsonl]
-// robustness --case NAME [--write CLOUD.ply]
+// robustness --case NAME [--write FILE]
 //
 // Reconstructs clouds, each in a process of its own, and tells what went wrong. Names of cases say
 // everything about them, so that any of them can be run again by itself. Leaves with 1 if a promise
@@ -109,7 +109,10 @@ int run(const Arguments& arguments) {
   if (!arguments.single_case.empty()) {
     const bool write = !arguments.cloud_file.empty();
     const Job job = make_job(arguments.single_case, arguments.threads, write);
-    if (write) benchmarking::write_ply(arguments.cloud_file, job.points, true);
+    if (write && job.file.empty())
+      benchmarking::write_ply(arguments.cloud_file, job.points, true);
+    else if (write)
+      std::ofstream(arguments.cloud_file, std::ios::binary) << job.file;
     sweep.run_one(job);
   }
   for (const auto& [kind, count] : arguments.kinds) sweep.run(kind, count);
@@ -157,6 +160,6 @@ int main(int argc, char** argv) {
   std::fprintf(stderr,
                "usage: robustness [clouds N] [gallery N] [files N] [--seed S] [--jobs J] "
                "[--threads T] [--seconds S] [--log FILE.jsonl]\n"
-               "       robustness --case NAME [--write CLOUD.ply]   (NAME as clouds:1000003)\n");
+               "       robustness --case NAME [--write FILE]   (NAME as clouds:1000003)\n");
   return 2;
 }
