@@ -147,8 +147,26 @@ void warn_of(const CompleteMatchingReport& report, std::vector<std::string>& war
     warnings.push_back("A sample lies " + formatted("%.1f", report.max_foot_distance) +
                        " spacings from the parametric surface: look at the mesh there.");
   if (report.extra_vertices > 0)
-    warnings.push_back(count_of(report.extra_vertices, "vertex", "vertices") +
-                       " without a sample span openings and could not be removed without harm.");
+    warnings.push_back(
+        count_of(report.extra_vertices, "vertex", "vertices") +
+        " without a sample could not be removed without harm, as happens where large "
+        "openings are spanned.");
+}
+
+void warn_of_openings(const ReconstructionOptions& options, std::vector<std::string>& warnings) {
+  if (options.complete_matching.method == CompleteMatchingOptions::Method::snap_and_insert &&
+      options.complete_matching.openings != CompleteMatchingOptions::Openings::close)
+    warnings.push_back(
+        "\"As in the paper\" closes every opening, whatever is chosen for openings: only the "
+        "robust "
+        "method can leave them open.");
+}
+
+void warn_of_size(const SurfaceMesh& surface, Index samples, std::vector<std::string>& warnings) {
+  if (surface.vertex_count() / 4 > samples)
+    warnings.push_back("The surface has " + std::to_string(surface.vertex_count()) +
+                       " vertices for " + count_of(samples, "sample") +
+                       ": choose the layer that Control Mesh made as the mesh to be subdivided.");
 }
 
 void warn_of_intersections(Index faces_left, std::vector<std::string>& warnings) {

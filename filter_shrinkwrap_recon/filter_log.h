@@ -35,6 +35,10 @@ void warn_of(const OrientationReport& report, std::vector<std::string>& warnings
 void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings);
 void warn_of(const CompleteMatchingReport& report, std::vector<std::string>& warnings);
 void warn_of_intersections(Index faces_left, std::vector<std::string>& warnings);
+/// Of a choice for openings that the paper's method cannot follow.
+void warn_of_openings(const ReconstructionOptions& options, std::vector<std::string>& warnings);
+/// Of a parametric surface far larger than the samples need.
+void warn_of_size(const SurfaceMesh& surface, Index samples, std::vector<std::string>& warnings);
 
 /// How noisy the samples are, what was done about it, and what would suit them better.
 void tell_of_noise(double noise, const DenoisingReport& denoising,

@@ -115,7 +115,8 @@ Parameter exclude_outliers() {
 // Of the filters of the stages: so that their chain ends in what the whole method gives.
 Parameter smooth_for_noise() {
   return boolean(kSmoothForNoise, "Smooth the surface for noise", false,
-                 "If the points are noisy (more than about a twelfth of their spacing), smooth the "
+                 "Robust method: if the points are noisy (more than about a twelfth of their "
+                 "spacing), smooth the "
                  "surface for it, as the whole method does where it stops at the parametric "
                  "surface, and where its log says so. Choose the same in the filters Initial Mesh, "
                  "Parametric Surface and Complete Matching.");
@@ -124,28 +125,30 @@ Parameter smooth_for_noise() {
 Parameter backs_are_openings() {
   return advanced(
       boolean(kBacksAreOpenings, "Backs of sheets are openings", false,
-              "Take the back of a sheet, such as a patch of terrain or one view of a depth camera, "
+              "Robust method: take the back of a sheet, such as a patch of terrain or one view of "
+              "a depth camera, "
               "for an opening even where it is near the points, as the whole method does where its "
               "log says so."));
 }
 
 Parameter openings() {
-  return choice(kOpenings, "Openings in the scan", {"Close", "Leave open", "Automatic"},
-                "What becomes of places without samples that are wider than about four sample "
-                "spacings.<br><b>Close</b> spans them with faces between the points around them, "
-                "and the mesh is watertight. Their face quality tells these faces from others: "
-                "the longest edge in sample spacings, 0 elsewhere.<br><b>Leave open</b> takes "
-                "these faces away, and the mesh has a border there.<br><b>Automatic</b> spans "
-                "openings up to a width, see below, and leaves wider ones open.");
+  return choice(
+      kOpenings, "Openings in the scan", {"Close", "Leave open", "Automatic"},
+      "Robust method: what becomes of places without samples that are wider than about "
+      "four sample spacings.<br><b>Close</b> spans them with faces between the points around them, "
+      "and the mesh is watertight. Their face quality tells these faces from others: "
+      "the longest edge in sample spacings, 0 elsewhere.<br><b>Leave open</b> takes "
+      "these faces away, and the mesh has a border there.<br><b>Automatic</b> spans "
+      "openings up to a width, see below, and leaves wider ones open.");
 }
 
 Parameter widest_opening() {
-  return advanced(number(Kind::real, kWidestOpening, "Widest opening to span (spacings)", 30.0, 4.0,
-                         kMostElements,
-                         "For the automatic choice: openings are spanned if no edge across them "
-                         "has to be longer. Raised: wider openings are closed, by larger flat "
-                         "faces. Lowered: more of them get a border. Unit: median sample spacing; "
-                         "range 4 and up; 10 to 100 are useful."));
+  return advanced(number(
+      Kind::real, kWidestOpening, "Widest opening to span (spacings)", 30.0, 4.0, kMostElements,
+      "Robust method, for the automatic choice: openings are spanned if no edge across them "
+      "has to be longer. Raised: wider openings are closed, by larger flat "
+      "faces. Lowered: more of them get a border. Unit: median sample spacing; "
+      "range 4 and up; 10 to 100 are useful."));
 }
 
 Parameter maximum_genus() {
@@ -176,7 +179,7 @@ Parameter repair_intersections() {
   return advanced(boolean(kRepairIntersections, "Repair self-intersections", true,
                           "Look for faces that cut or touch others, exactly, and flip edges around "
                           "them until none is left; those that cannot be parted are selected. Off: "
-                          "a little faster, nothing is looked for."));
+                          "a little faster; the report counts them, and none is selected."));
 }
 
 Parameter count_intersections() {
@@ -405,10 +408,13 @@ std::vector<Parameter> parameters_of(Filter filter) {
       append(list, shrink_parameters());
       break;
     case Filter::control_mesh:
-      list = {
-          samples_layer(), mesh_layer("The initial mesh: a closed 2-manifold. It is not changed."),
-          selected_only(), exclude_outliers(),
-          method(),        control_vertices()};
+      list = {samples_layer(),
+              mesh_layer("The initial mesh: a closed 2-manifold. It is not changed."),
+              selected_only(),
+              exclude_outliers(),
+              method(),
+              neighbours(),
+              control_vertices()};
       break;
     case Filter::parametric_surface:
       list = {
@@ -416,7 +422,7 @@ std::vector<Parameter> parameters_of(Filter filter) {
           selected_only(), exclude_outliers(),
           method(),        smooth_for_noise(),
           neighbours(),    fit_iterations(),
-          attraction()};
+          attraction(),    repair_intersections()};
       break;
     case Filter::complete_matching:
       list = {samples_layer(),
@@ -437,6 +443,7 @@ std::vector<Parameter> parameters_of(Filter filter) {
               method(),
               openings(),
               widest_opening(),
+              neighbours(),
               crease_angle(),
               repair_intersections()};
       break;
@@ -449,6 +456,7 @@ std::vector<Parameter> parameters_of(Filter filter) {
                       "Treat a mesh that is not closed, not 2-manifold or not matched one to one "
                       "as an error, so that a "
                       "script stops there."),
+              neighbours(),
               count_intersections()};
       break;
     case Filter::distance_to_samples:

@@ -8,7 +8,9 @@
 
 #include "filter_log.h"
 #include "finish_matching.h"
+#include "memory_estimate.h"
 #include "parallel.h"
+#include "promise.h"
 #include "stage_qualities.h"
 #include "voxel_search.h"
 
@@ -101,6 +103,7 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   warn_of(result.orientation, outcome.warnings);
   warn_of(result.initial_mesh, outcome.warnings);
   warn_of(result.complete_matching, outcome.warnings);
+  warn_of_openings(request.options, outcome.warnings);
   warn_of_intersections(static_cast<Index>(result.intersection_repair.remaining_faces.size()),
                         outcome.warnings);
   warn_of_intersections(result.relaxation.faces_after, outcome.warnings);
@@ -172,6 +175,7 @@ FilterOutcome run_parametric_surface(const FilterRequest& request, const FilterI
   outcome.log.push_back("distance of the vertices from the samples' surface: mean " +
                         formatted("%.3f", surface.report.mean_distance) + ", greatest " +
                         formatted("%.3f", surface.report.max_distance) + " spacings");
+  warn_of_size(surface.mesh, cloud.size(), outcome.warnings);
   outcome.log.push_back(surface_verdict("parametric surface", surface.mesh));
   outcome.mesh = to_result(surface.mesh, cloud.frame);
   outcome.layer_suffix = "parametric surface";
@@ -186,6 +190,7 @@ FilterOutcome run_complete_matching(const FilterRequest& request, const FilterIn
   CompleteMatching matching =
       match_samples(surface, cloud, request.options.complete_matching, progress);
   warn_of(matching.report, outcome.warnings);
+  warn_of_openings(request.options, outcome.warnings);
   outcome.log.push_back("distance of the samples from the parametric surface: mean " +
                         formatted("%.3f", matching.report.mean_foot_distance) + ", greatest " +
                         formatted("%.3f", matching.report.max_foot_distance) + " spacings; " +
@@ -260,16 +265,16 @@ FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterIn
                                     Progress& progress) {
   FilterOutcome outcome;
   const PointCloud cloud = prepare(input, request.options, progress, outcome);
+  const double spacing = cloud.frame.to_input_length(cloud.spacing);
   CompleteMatching matching = matching_of(input, cloud);
   const CompleteMatchingOptions& options = request.options.complete_matching;
-  matching.spanning_faces = input.marked_faces;
-  if (options.openings == CompleteMatchingOptions::Openings::leave_open)
-    matching.opening_faces = input.marked_faces;
+  matching.spanning_faces = spanning_faces(input.mesh, spacing);
   OpeningsReport openings = decide_openings(matching, cloud, options, progress);
   const std::vector<Index>& dropped = matching.opening_faces;
   const EdgeOptimisationReport report = optimise_edges(
       matching.mesh, request.options.edge_optimisation, progress, matching.spanning_faces);
   outcome.log.push_back(count_of(report.flips, "edge") + " re-chosen");
+  Index meeting_faces = kNone;
   if (request.options.intersection_repair.enabled) {
     const FinishReport finish =
         finish_matching(matching, cloud.size(), cloud.spacing, request.options.intersection_repair,
@@ -282,16 +287,22 @@ FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterIn
     if (repair.faces_before > 0) outcome.log.push_back(repair_line(repair));
     outcome.marked_faces = indices_after_drop(repair.remaining_faces, dropped);
     warn_of_intersections(static_cast<Index>(outcome.marked_faces.size()), outcome.warnings);
-    outcome.figures["self_intersecting_faces"] = static_cast<Index>(outcome.marked_faces.size());
+    // As it is, if no face is dropped, and no vertex rounded that is no sample.
+    if (dropped.empty() && matching.mesh.vertex_count() == cloud.size())
+      meeting_faces = repair.faces_after;
   }
   if (openings.spanned + openings.left_open > 0) outcome.log.push_back(openings_line(openings));
-  outcome.log.push_back(surface_verdict("edge optimisation", matching.mesh));
   outcome.mesh = to_result(matching, cloud, input.points);
   drop_faces(outcome.mesh, dropped);
   outcome.mesh.face_quality =
-      spanning_lengths(outcome.mesh, indices_after_drop(matching.spanning_faces, dropped),
-                       cloud.frame.to_input_length(cloud.spacing));
+      spanning_lengths(outcome.mesh, indices_after_drop(matching.spanning_faces, dropped), spacing);
   outcome.layer_suffix = "shrink wrap";
+
+  progress.begin(Stage::report);
+  const MeshReport checked = check_promise(outcome.mesh, points_at(input.points, cloud.input_index),
+                                           meeting_faces, request.options, progress);
+  for (const auto& [name, value] : figures_of(checked)) outcome.figures[name] = value;
+  outcome.log.push_back(kSucceeded + verdict_of(checked));
   return outcome;
 }
 
@@ -356,10 +367,15 @@ FilterOutcome run_distance(const FilterInput& input, Progress& progress) {
           std::sqrt(search.nearest(frame.to_unit(vertices[v])).squared_distance));
   });
 
-  const auto not_finite = count - std::count_if(vertices.begin(), vertices.end(), is_finite);
-  if (not_finite > 0)
-    outcome.warnings.push_back(count_of(static_cast<Index>(not_finite), "vertex", "vertices") +
-                               " not finite: their distance is set to 0.");
+  Index not_measured = 0;
+  for (Index v = 0; v < count; ++v) {
+    if (is_finite(vertices[v]) && std::isfinite(outcome.distance[v])) continue;
+    outcome.distance[v] = 0.0;
+    ++not_measured;
+  }
+  if (not_measured > 0)
+    outcome.warnings.push_back(count_of(not_measured, "vertex", "vertices") +
+                               " not finite, or too far away: their distance is set to 0.");
   const double sum = std::accumulate(outcome.distance.begin(), outcome.distance.end(), 0.0);
   const double greatest = *std::max_element(outcome.distance.begin(), outcome.distance.end());
   outcome.figures = {
@@ -415,7 +431,7 @@ std::vector<Stage> stages_of(Filter filter, const FilterRequest& request) {
     case Filter::complete_matching:
       return and_then({Stage::orientation, Stage::complete_matching});
     case Filter::edge_optimisation:
-      return and_then({Stage::edge_optimisation});
+      return and_then({Stage::edge_optimisation, Stage::report});
     case Filter::matching_report:
     case Filter::distance_to_samples:
       return {Stage::report};
@@ -431,6 +447,13 @@ FilterOutcome run_filter(Filter filter, const FilterRequest& request, const Filt
   if (needs_mesh && input.mesh.position.empty()) throw InvalidInput(no_mesh);
   const bool needs_faces = needs_mesh && filter != Filter::distance_to_samples;
   if (needs_faces && input.mesh.triangles.empty()) throw InvalidInput(no_mesh);
+
+  // A control mesh becomes about 16 times as large; other stages keep the size of theirs.
+  const std::uint64_t growth = filter == Filter::parametric_surface ? 16 : 1;
+  if (filter != Filter::distance_to_samples)
+    require_memory_for(
+        std::max<std::uint64_t>(input.points.size(), growth * input.mesh.position.size()),
+        request.options.memory_limit);
 
   const int threads = request.options.threads;
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);

@@ -13,10 +13,9 @@ namespace shrinkwrap {
 
 /// The layers that a filter reads, in one coordinate system.
 struct FilterInput {
-  std::vector<Vec3> points;         ///< the samples
-  ResultMesh mesh;                  ///< of the filters that continue from, or measure, a mesh
-  std::vector<Index> marked_faces;  ///< faces of `mesh` that Complete Matching marked as spanning
-                                    ///< openings, ascending
+  std::vector<Vec3> points;  ///< the samples
+  ResultMesh mesh;  ///< of the filters that continue from, or measure, a mesh, with the face
+                    ///< quality of its layer, if that has any
 };
 
 /// What later generations of the host hand to scripts, by name: counts ("samples_matched") are

@@ -80,8 +80,9 @@ QString help_of(Filter filter) {
              reference("section 2.5", {kRetiling});
     case Filter::edge_optimisation:
       return "Last stage: <b>re-chooses the edges</b> of the complete matching for the smoothest "
-             "surface through the same vertices. With <i>Leave open</i>, the selected faces are "
-             "then taken away. A new layer." +
+             "surface through the same vertices. Faces that span an opening (their face quality is "
+             "their longest edge in spacings) stay; with <i>Leave open</i> they are taken away. A "
+             "new layer." +
              reference("section 2.5", {kQuadrics});
     case Filter::matching_report:
       return "Measures a mesh against samples and writes to the log: vertices, borders, "
@@ -275,11 +276,7 @@ Figures ShrinkWrapReconPlugin::run_on_layers(Filter filter, MeshDocument& docume
                            : "the layer has no points: open a point cloud, or choose its layer");
   FilterInput input;
   input.points = std::move(points.points);
-  if (mesh != nullptr) {
-    VcgTriangles triangles = triangles_from_vcg(mesh->cm);
-    input.mesh = std::move(triangles.mesh);
-    input.marked_faces = std::move(triangles.selected_faces);
-  }
+  if (mesh != nullptr) input.mesh = triangles_from_vcg(mesh->cm);
 
   Progress progress(progress_from_vcg(callback), stages_of(filter, request));
   const FilterOutcome outcome = run_filter(filter, request, input, progress);

@@ -26,7 +26,6 @@ FilterInput through_layer(const std::vector<Vec3>& points, const FilterOutcome& 
   input.mesh = outcome.mesh;
   input.mesh.position = in_single_precision(input.mesh.position);
   input.mesh.input_index.assign(input.mesh.position.size(), kNone);
-  input.marked_faces = outcome.marked_faces;
   return input;
 }
 
@@ -96,6 +95,10 @@ INSTANTIATE_TEST_SUITE_P(
                       ChainCase{"opening_automatic",
                                 ShapeKind::hemisphere,
                                 {{"Openings", 2}, {"WidestOpening", 10}}},
+                      ChainCase{"more_neighbours", ShapeKind::blob, {{"Neighbours", 24}}},
+                      ChainCase{"more_neighbours_of_an_opening",
+                                ShapeKind::hemisphere,
+                                {{"Neighbours", 24}, {"Openings", 1}}},
                       ChainCase{"as_in_the_paper", ShapeKind::sphere, {{"Method", 1}}},
                       ChainCase{"with_outliers", ShapeKind::blob, {{"ExcludeOutliers", 0}}}),
     [](const auto& test) { return test.param.name; });
@@ -270,6 +273,76 @@ TEST(FilterRuns, RefusesWhatItCannotUse) {
   EXPECT_THROW(run(Filter::edge_optimisation, mesh), InvalidInput) << "its vertices are no samples";
   mesh.mesh.triangles.pop_back();
   EXPECT_THROW(run(Filter::control_mesh, mesh), InvalidInput) << "it has a border";
+}
+
+// Faces that span an opening are known by their quality: the mesh may come from anywhere, and other
+// faces may be selected or have a quality of another kind.
+TEST(FilterRuns, EdgeOptimisationTakesMeshesOfAnyStageAndKeepsThePromise) {
+  FilterInput input;
+  input.points = in_single_precision(sample_shape(ShapeKind::hemisphere, 1500, 11));
+  const ParameterValues open = {{"Openings", 1}, {"KeepStages", 1}};
+  const FilterOutcome one_shot = run(Filter::reconstruct, input, open);
+  ASSERT_EQ(one_shot.stages.back().name, "complete matching");
+  FilterInput kept = input;
+  kept.mesh = one_shot.stages.back().mesh;
+  kept.mesh.position = in_single_precision(kept.mesh.position);
+  const FilterOutcome again = run(Filter::edge_optimisation, kept, open);
+  expect_same_bytes(again.mesh, one_shot.mesh);
+  EXPECT_NE(again.log.back().find("open (1 border) 2-manifold of genus 0"), std::string::npos)
+      << again.log.back();
+
+  // A closed mesh: its spanning faces can be dropped later.
+  FilterInput closed = through_layer(input.points, run(Filter::reconstruct, input));
+  EXPECT_EQ(
+      std::get<Index>(run(Filter::edge_optimisation, closed, open).figures.at("border_loops")), 1);
+
+  for (float& quality : closed.mesh.face_quality) quality = 0.7f;
+  const FilterOutcome other = run(Filter::edge_optimisation, closed, open);
+  EXPECT_EQ(std::get<Index>(other.figures.at("border_loops")), 0);
+  EXPECT_EQ(std::get<Index>(other.figures.at("samples_missing")), 0);
+}
+
+TEST(FilterRuns, CreaseAngleSuitsAFinishedMesh) {
+  FilterInput input;
+  input.points = in_single_precision(sample_shape(ShapeKind::double_torus, 3000, 12));
+  const FilterInput finished = through_layer(input.points, run(Filter::reconstruct, input));
+  EXPECT_TRUE(is_told(run(Filter::edge_optimisation, finished), "0 edges re-chosen"));
+  const FilterOutcome shaped = run(Filter::edge_optimisation, finished, {{"CreaseAngle", 45}});
+  EXPECT_FALSE(is_told(shaped, "0 edges re-chosen"));
+  EXPECT_EQ(std::get<Index>(shaped.figures.at("samples_matched")), 3000);
+}
+
+TEST(FilterRuns, ThePaperClosesEveryOpeningAndSaysSo) {
+  FilterInput input;
+  input.points = in_single_precision(sample_shape(ShapeKind::hemisphere, 800, 13));
+  const auto warned = [](const FilterOutcome& outcome) {
+    return std::any_of(outcome.warnings.begin(), outcome.warnings.end(), [](const auto& line) {
+      return line.find("closes every opening") != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(warned(run(Filter::reconstruct, input, {{"Method", 1}, {"Openings", 1}})));
+  EXPECT_FALSE(warned(run(Filter::reconstruct, input, {{"Method", 1}})));
+  EXPECT_FALSE(warned(run(Filter::reconstruct, input, {{"Openings", 1}})));
+}
+
+TEST(FilterRuns, StagesRefuseWhatDoesNotFitOrIsNotFinite) {
+  FilterInput input;
+  input.points = in_single_precision(sample_shape(ShapeKind::sphere, 2000, 14));
+  FilterInput initial = through_layer(input.points, run(Filter::initial_mesh, input));
+  FilterRequest request = request_of(Filter::control_mesh, default_values(Filter::control_mesh));
+  request.options.memory_limit = 1 << 20;
+  Progress silent;
+  EXPECT_THROW(run_filter(Filter::control_mesh, request, initial, silent), InvalidInput);
+
+  // As the wrong layer would have it: a mesh that is fine already.
+  const FilterInput finished = through_layer(input.points, run(Filter::reconstruct, input));
+  const std::vector<std::string> warnings = run(Filter::parametric_surface, finished).warnings;
+  ASSERT_FALSE(warnings.empty());
+  EXPECT_NE(warnings.back().find("choose the layer that Control Mesh made"), std::string::npos);
+
+  initial.mesh.position[3].y() = std::nan("");
+  for (const Filter filter : {Filter::control_mesh, Filter::parametric_surface})
+    EXPECT_THROW(run(filter, initial), InvalidInput);
 }
 
 // The type of a figure does not depend on its value: a script may rely on it.

@@ -92,24 +92,6 @@ std::vector<char> find_supported(const SurfaceMesh& mesh, const MeshComponents& 
   return is_kept;
 }
 
-SurfaceMesh kept_components(const SurfaceMesh& mesh, const MeshComponents& components,
-                            const std::vector<char>& is_kept, Progress& progress) {
-  std::vector<Index> new_index(mesh.position.size(), kNone);
-  std::vector<Vec3> position;
-  for (Index v = 0; v < mesh.vertex_slots(); ++v) {
-    if (!is_kept[components.of_vertex[v]]) continue;
-    new_index[v] = static_cast<Index>(position.size());
-    position.push_back(mesh.position[v]);
-  }
-  std::vector<Triangle> triangles;
-  for (Triangle triangle : mesh.triangles()) {
-    if (new_index[triangle[0]] == kNone) continue;
-    for (Index& v : triangle) v = new_index[v];
-    triangles.push_back(triangle);
-  }
-  return SurfaceMesh::from_triangles(std::move(position), triangles, progress);
-}
-
 // Six times the volume that each component encloses; negative for a cavity.
 std::vector<double> volumes_of(const SurfaceMesh& mesh, const MeshComponents& components) {
   std::vector<double> volume(static_cast<std::size_t>(components.count), 0.0);

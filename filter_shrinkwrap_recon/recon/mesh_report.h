@@ -1,4 +1,4 @@
-// The promise, checked: closed, 2-manifold, one vertex per sample at its exact coordinates,
+// What a mesh is, measured: closed, 2-manifold, one vertex per sample at its exact coordinates,
 // outward.
 #pragma once
 

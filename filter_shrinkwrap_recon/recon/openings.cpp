@@ -197,6 +197,13 @@ OpeningsReport decide_openings(CompleteMatching& matching, const PointCloud& clo
   OpeningsReport report;
   report.notches_filled = matching.report.notches_filled;
   if (spanning.empty()) return report;
+  if (options.openings == CompleteMatchingOptions::Openings::leave_open) {
+    // As leave_openings made them, unless the mesh comes from elsewhere.
+    matching.opening_faces = OpeningCutter(mesh, cloud.size()).cut(spanning, progress);
+    spanning = matching.opening_faces;
+    measure_openings(matching, cloud.spacing, report);
+    return report;
+  }
   const Patches patches = find_patches(mesh, spanning);
   std::vector<double> width(static_cast<std::size_t>(patches.count), 0.0);  // of each patch
   for (std::size_t i = 0; i < spanning.size(); ++i) {
@@ -205,13 +212,12 @@ OpeningsReport decide_openings(CompleteMatching& matching, const PointCloud& clo
   }
   const bool is_automatic = options.openings == CompleteMatchingOptions::Openings::automatic;
   const auto is_left_open = [&](Index patch) {
-    return options.openings == CompleteMatchingOptions::Openings::leave_open ||
-           (is_automatic && width[patch] > options.widest_opening);
+    return is_automatic && width[patch] > options.widest_opening;
   };
   bool is_any_left_open = false;
   for (Index patch = 0; patch < patches.count; ++patch)
     is_any_left_open = is_any_left_open || is_left_open(patch);
-  if (is_automatic && is_any_left_open) {
+  if (is_any_left_open) {
     std::vector<char> is_wide(static_cast<std::size_t>(mesh.face_slots()), 0);
     std::vector<Index> spanned;
     for (std::size_t i = 0; i < spanning.size(); ++i)

@@ -23,8 +23,9 @@ void leave_openings(CompleteMatching& matching, const PointCloud& cloud, Progres
 
 /// For Openings::automatic: of the patches that span openings, those with an edge longer than
 /// `widest_opening` spacings become openings with clean borders, whose notches are filled. Fills in
-/// `opening_faces`, and adds these to `spanning_faces`. Otherwise only counts. Pre: the mesh is
-/// closed, vertex i below `cloud.size()` is sample i. O(F) where something spans.
+/// `opening_faces`, and adds these to `spanning_faces`. For Openings::leave_open all of them do,
+/// with clean borders. Otherwise only counts. Pre: the mesh is closed, vertex i below
+/// `cloud.size()` is sample i. O(F) where something spans.
 OpeningsReport decide_openings(CompleteMatching& matching, const PointCloud& cloud,
                                const CompleteMatchingOptions& options, Progress& progress);
 

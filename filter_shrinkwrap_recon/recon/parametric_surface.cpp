@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
+#include <string>
 
 #include "face_tree.h"
 #include "one_ring.h"
@@ -184,6 +186,9 @@ SurfaceMesh loop_subdivide(const SurfaceMesh& mesh) {
 }
 
 SurfaceMesh loop_subdivide(const SurfaceMesh& mesh, Progress& progress) {
+  if (mesh.face_slots() > std::numeric_limits<Index>::max() / 12)
+    throw InvalidInput("a mesh of " + std::to_string(mesh.face_count()) +
+                       " faces is too large to be subdivided: choose the control mesh");
   // Face f becomes 4f (at its first corner), 4f+1, 4f+2 (at the others) and 4f+3 (in the middle);
   // the vertex of an edge is numbered after the old vertices, in order of the edge's lower
   // half-edge.

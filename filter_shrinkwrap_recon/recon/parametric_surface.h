@@ -45,7 +45,8 @@ struct ParametricSurface {
 double loop_beta(Index valence);
 /// Weight chi of eq. 13: limit position = v + chi * sum of (v_j - v) over the one-ring.
 double loop_limit_weight(Index valence);
-/// One step of Loop subdivision: V' = V + E, each face into four. O(F), parallel.
+/// One step of Loop subdivision: V' = V + E, each face into four. O(F), parallel. Throws
+/// InvalidInput if the result cannot be indexed (178 million faces and more).
 SurfaceMesh loop_subdivide(const SurfaceMesh& mesh);
 SurfaceMesh loop_subdivide(const SurfaceMesh& mesh, Progress& progress);
 

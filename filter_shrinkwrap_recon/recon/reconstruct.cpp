@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <new>
 
 #include "bounding_box_start.h"
 #include "finish_matching.h"
 #include "freed_memory.h"
 #include "memory_estimate.h"
+#include "promise.h"
 #include "self_intersection.h"
 #include "stage_qualities.h"
 
@@ -69,26 +71,6 @@ class StageLog {
   bool keep_meshes_;
   Stopwatch watch_;
 };
-
-// The promise of the method; says which part of it does not hold.
-void check_promise(const Reconstruction& result, const ReconstructionOptions& options) {
-  const MeshReport& report = result.report;
-  const bool may_be_open =
-      options.complete_matching.openings != CompleteMatchingOptions::Openings::close;
-  const auto fail = [](const std::string& part) {
-    throw ReconstructionFailed(
-        "the mesh would not be " + part +
-        ": nothing was made. Try another voxel size or level for the initial mesh, remove "
-        "stray points, or stop at the parametric surface if the cloud is noisy.");
-  };
-  if (!report.manifold()) fail("a 2-manifold");
-  if (!report.closed() && !may_be_open) fail("closed");
-  if (report.closed() && !report.outward()) fail("oriented outwards");
-  if (options.stop_at_parametric_surface) return;
-  if (report.samples_missing > 0)
-    fail("complete (" + std::to_string(report.samples_missing) + " samples are no vertex)");
-  if (report.samples_matched_twice > 0) fail("one to one");
-}
 
 bool are_of_single_precision(const std::vector<Vec3>& points) {
   return std::all_of(points.begin(), points.end(),
@@ -267,6 +249,7 @@ void try_again(Reconstruction& first, Reconstruction& second, Index samples,
     attempt.faults = faults_of(second, samples);
     attempt.is_taken = attempt.faults < attempt.faults_before && is_sound(second.mesh, progress);
   } catch (const ReconstructionFailed&) {
+  } catch (const std::bad_alloc&) {
   }
   keep_better(first, second, attempt, which);
 }
@@ -281,16 +264,18 @@ void match_sheets(SurfaceMesh parametric, const PointCloud& cloud, const std::ve
     match(std::move(parametric), cloud, points, options, result, log, progress);
     return;
   }
-  constexpr double kFirst = 0.75;  // of what is left of the run
-  const double begin = progress.begin_of(Stage::complete_matching);
+  constexpr double kFirst = 0.75;  // of the time of both
+  const double begin = progress.begin_of(Stage::complete_matching),
+               end = progress.begin_of(Stage::report);
   Reconstruction second = without_stages(result);
   {
-    const ProgressShare share(progress, (1.0 - kFirst) * begin, (1.0 - kFirst) * begin + kFirst);
+    const double from = (1.0 - kFirst) * begin;
+    const ProgressShare share(progress, from, from + kFirst);
     match(parametric, cloud, points, options, result, log, progress);
   }
   if (result.complete_matching.backs == 0 || !is_worth_another(result, cloud.size())) return;
   options.complete_matching.backs_are_openings = true;
-  const ProgressShare share(progress, kFirst, 1.0);
+  const ProgressShare share(progress, kFirst * end, kFirst * end + 1.0 - kFirst);
   try_again(result, second, cloud.size(), &Reconstruction::backs, progress, [&] {
     StageLog second_log(second, options);
     match(std::move(parametric), cloud, points, options, second, second_log, progress);
@@ -334,7 +319,7 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   Reconstruction result;
   StageLog log(result, options);
 
-  require_memory_for(points.size(), options.memory_limit);
+  require_memory_for((options.keep_stages ? 2 : 1) * points.size(), options.memory_limit);
   options.host_scalar = host_scalar_for(points, options);
   PointCloud cloud = prepare_samples(points, options.samples, progress);
   result.conditioning = cloud.conditioning;
@@ -371,18 +356,15 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
                                      ? std::vector<Vec3>()
                                      : points_at(points, cloud.input_index);
   cloud = PointCloud();
-  MeshReportOptions report_options = options.report;
   // The repair has counted the self-intersections of the mesh as it is, if no face was dropped, and
   // no vertex rounded on its way out of the unit frame, as those may be that are no samples.
   const bool is_counted = !options.stop_at_parametric_surface &&
                           options.intersection_repair.enabled && result.openings.left_open == 0 &&
                           result.complete_matching.extra_vertices == 0;
-  if (is_counted) report_options.count_self_intersections = false;
-  result.report = measure_mesh(result.mesh.position, result.mesh.triangles,
-                               kept.empty() ? points : kept, report_options, progress);
-  if (is_counted) result.report.self_intersecting_faces = result.intersection_repair.faces_after;
+  result.report =
+      check_promise(result.mesh, kept.empty() ? points : kept,
+                    is_counted ? result.intersection_repair.faces_after : kNone, options, progress);
   log.add(Stage::report, result.report.vertices);
-  check_promise(result, options);
   return result;
 }
 

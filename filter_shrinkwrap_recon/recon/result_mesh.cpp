@@ -1,5 +1,6 @@
 #include "result_mesh.h"
 
+#include <algorithm>
 #include <atomic>
 
 #include "parallel.h"
@@ -114,6 +115,9 @@ std::vector<Index> indices_after_drop(const std::vector<Index>& faces,
 }
 
 SurfaceMesh to_surface(const ResultMesh& mesh, const Frame& frame) {
+  if (std::any_of(mesh.position.begin(), mesh.position.end(),
+                  [](const Vec3& p) { return !p.allFinite(); }))
+    throw InvalidInput("the mesh has vertices whose coordinates are not finite");
   std::vector<Vec3> position(mesh.position.size());
   Progress silent;
   parallel_for_each(static_cast<Index>(position.size()), kGrain, silent,

@@ -39,7 +39,8 @@ std::vector<Index> indices_after_drop(const std::vector<Index>& faces,
                                       const std::vector<Index>& dropped);
 
 /// The way back for a stage that starts from such a mesh: in the unit frame, same vertex and face
-/// order. Throws InvalidInput if it is not a closed, consistently oriented 2-manifold.
+/// order. Throws InvalidInput if it is not a closed, consistently oriented 2-manifold of finite
+/// vertices.
 SurfaceMesh to_surface(const ResultMesh& mesh, const Frame& frame);
 
 }  // namespace shrinkwrap

@@ -47,19 +47,8 @@ void drop_components_without_samples(SurfaceMesh& mesh, Index samples, Progress&
   const MeshComponents components = connected_components(mesh, progress);
   std::vector<char> has_sample(static_cast<std::size_t>(components.count), 0);
   for (Index v = 0; v < samples; ++v) has_sample[components.of_vertex[v]] = 1;
-  std::vector<Vec3> position;
-  std::vector<Index> new_index(mesh.position.size(), kNone);
-  for (Index v = 0; v < mesh.vertex_slots(); ++v) {
-    if (!has_sample[components.of_vertex[v]]) continue;
-    new_index[v] = static_cast<Index>(position.size());
-    position.push_back(mesh.position[v]);
-  }
-  if (position.size() == mesh.position.size()) return;
-  std::vector<Triangle> triangles;
-  for (const Triangle& t : mesh.triangles())
-    if (new_index[t[0]] != kNone)
-      triangles.push_back({new_index[t[0]], new_index[t[1]], new_index[t[2]]});
-  mesh = SurfaceMesh::from_triangles(std::move(position), triangles, progress);
+  if (std::count(has_sample.begin(), has_sample.end(), 0) > 0)
+    mesh = kept_components(mesh, components, has_sample, progress);
 }
 
 }  // namespace

@@ -105,26 +105,17 @@ VertexRemovalReport remove_unmatched(Matching& matching, Progress& progress) {
 }
 
 // Components without a sample are debris of the start; nothing is lost with them.
-void drop_components_without_samples(Matching& matching) {
+void drop_components_without_samples(Matching& matching, Progress& progress) {
   SurfaceMesh& mesh = matching.mesh;
-  const MeshComponents components = connected_components(mesh);
+  const MeshComponents components = connected_components(mesh, progress);
   std::vector<char> has_sample(static_cast<std::size_t>(components.count), 0);
   for (Index v = 0; v < mesh.vertex_slots(); ++v)
     if (matching.sample_of_vertex[v] != kNone) has_sample[components.of_vertex[v]] = 1;
   if (std::count(has_sample.begin(), has_sample.end(), 0) == 0) return;
-  std::vector<Vec3> position;
-  std::vector<Index> samples, new_index(mesh.position.size(), kNone);
-  for (Index v = 0; v < mesh.vertex_slots(); ++v) {
-    if (!has_sample[components.of_vertex[v]]) continue;
-    new_index[v] = static_cast<Index>(position.size());
-    position.push_back(mesh.position[v]);
-    samples.push_back(matching.sample_of_vertex[v]);
-  }
-  std::vector<Triangle> triangles;
-  for (const Triangle& t : mesh.triangles())
-    if (new_index[t[0]] != kNone)
-      triangles.push_back({new_index[t[0]], new_index[t[1]], new_index[t[2]]});
-  mesh = SurfaceMesh::from_triangles(std::move(position), triangles);
+  std::vector<Index> new_index, samples;
+  mesh = kept_components(mesh, components, has_sample, progress, &new_index);
+  for (std::size_t v = 0; v < new_index.size(); ++v)
+    if (new_index[v] != kNone) samples.push_back(matching.sample_of_vertex[v]);
   matching.sample_of_vertex = std::move(samples);
 }
 
@@ -304,7 +295,7 @@ CompleteMatching snap_and_insert(SurfaceMesh parametric, const PointCloud& cloud
 
   progress.set_range(0.35, 0.5);
   VertexRemovalReport removal = remove_unmatched(matching, progress);
-  drop_components_without_samples(matching);
+  drop_components_without_samples(matching, progress);
   result.report.forced_removals = removal.forced;
 
   Inserter(matching, cloud).insert_all(progress, 0.5, 0.95);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "face_tree.h"
 #include "parallel.h"
@@ -10,6 +11,15 @@ namespace shrinkwrap {
 namespace {
 
 constexpr Index kGrain = 1 << 11;
+constexpr double kRelativeError = 1e-3;
+
+double longest_edge(const ResultMesh& mesh, const Triangle& t) {
+  double longest = 0.0;
+  for (int corner = 0; corner < 3; ++corner)
+    longest =
+        std::max(longest, (mesh.position[t[corner]] - mesh.position[t[(corner + 1) % 3]]).norm());
+  return longest;
+}
 
 }  // namespace
 
@@ -30,15 +40,27 @@ std::vector<float> spanning_lengths(const ResultMesh& mesh, const std::vector<In
                                     double spacing) {
   if (spanning.empty()) return {};
   std::vector<float> length(mesh.triangles.size(), 0.0f);
-  for (const Index f : spanning) {
-    const Triangle& t = mesh.triangles[f];
-    double longest = 0.0;
-    for (int corner = 0; corner < 3; ++corner)
-      longest =
-          std::max(longest, (mesh.position[t[corner]] - mesh.position[t[(corner + 1) % 3]]).norm());
-    length[f] = static_cast<float>(longest / spacing);
-  }
+  for (const Index f : spanning)
+    length[f] = static_cast<float>(longest_edge(mesh, mesh.triangles[f]) / spacing);
   return length;
+}
+
+std::vector<Index> spanning_faces(const ResultMesh& mesh, double spacing) {
+  std::vector<Index> spanning;
+  for (std::size_t f = 0; f < mesh.face_quality.size(); ++f) {
+    const double quality = mesh.face_quality[f];
+    if (!(quality > 0.0)) continue;
+    const Triangle& t = mesh.triangles[f];
+    // Vertices that are no samples were rounded to the coordinates of a layer.
+    double coordinate = 0.0;
+    for (const Index v : t)
+      coordinate = std::max(coordinate, mesh.position[v].cwiseAbs().maxCoeff());
+    const double tolerance = kRelativeError * quality +
+                             4.0 * std::numeric_limits<float>::epsilon() * (coordinate / spacing);
+    if (std::abs(longest_edge(mesh, t) / spacing - quality) <= tolerance)
+      spanning.push_back(static_cast<Index>(f));
+  }
+  return spanning;
 }
 
 }  // namespace shrinkwrap

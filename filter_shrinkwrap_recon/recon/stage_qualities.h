@@ -19,4 +19,8 @@ std::vector<float> distances_from_surface(const ResultMesh& mesh, const SurfaceM
 std::vector<float> spanning_lengths(const ResultMesh& mesh, const std::vector<Index>& spanning,
                                     double spacing);
 
+/// The way back, for a mesh that comes from elsewhere: faces whose quality is their longest edge in
+/// units of `spacing`, ascending; other qualities are of another kind. O(F).
+std::vector<Index> spanning_faces(const ResultMesh& mesh, double spacing);
+
 }  // namespace shrinkwrap

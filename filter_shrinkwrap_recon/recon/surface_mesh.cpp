@@ -419,6 +419,23 @@ MeshComponents connected_components(const SurfaceMesh& mesh, Progress& progress)
   return components;
 }
 
+SurfaceMesh kept_components(const SurfaceMesh& mesh, const MeshComponents& components,
+                            const std::vector<char>& is_kept, Progress& progress,
+                            std::vector<Index>* new_index) {
+  std::vector<Index> kept(mesh.position.size(), kNone);
+  std::vector<Vec3> position;
+  for (Index v = 0; v < mesh.vertex_slots(); ++v) {
+    if (!is_kept[components.of_vertex[v]]) continue;
+    kept[v] = static_cast<Index>(position.size());
+    position.push_back(mesh.position[v]);
+  }
+  std::vector<Triangle> triangles;
+  for (const Triangle& t : mesh.triangles())
+    if (kept[t[0]] != kNone) triangles.push_back({kept[t[0]], kept[t[1]], kept[t[2]]});
+  if (new_index != nullptr) new_index->swap(kept);
+  return SurfaceMesh::from_triangles(std::move(position), triangles, progress);
+}
+
 double signed_volume(const SurfaceMesh& mesh) {
   Progress silent;
   const double six_fold =

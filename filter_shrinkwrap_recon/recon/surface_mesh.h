@@ -184,6 +184,12 @@ struct MeshComponents {
 MeshComponents connected_components(const SurfaceMesh& mesh);
 MeshComponents connected_components(const SurfaceMesh& mesh, Progress& progress);
 
+/// The mesh of the components that are kept (by number), its vertices and faces in their order.
+/// `new_index`, if wanted: of each old vertex, kNone for those that go. O(V + F).
+SurfaceMesh kept_components(const SurfaceMesh& mesh, const MeshComponents& components,
+                            const std::vector<char>& is_kept, Progress& progress,
+                            std::vector<Index>* new_index = nullptr);
+
 /// Volume that a closed mesh encloses; positive if its faces are oriented outwards. O(F), parallel,
 /// the same for any number of threads.
 double signed_volume(const SurfaceMesh& mesh);

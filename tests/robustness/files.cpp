@@ -260,8 +260,8 @@ class TemporaryFile {
 // The adapters, on whatever the importer made.
 bool adapters_agree(Mesh& cloud, const std::vector<Vec3>& points) {
   Progress silent;
-  const VcgTriangles own = triangles_from_vcg(cloud);
-  measure_mesh(own.mesh.position, own.mesh.triangles, points, {}, silent);
+  const ResultMesh own = triangles_from_vcg(cloud);
+  measure_mesh(own.position, own.triangles, points, {}, silent);
   Mesh mesh;
   try {
     const Reconstruction result = shrinkwrap_reconstruct(cloud, mesh);
