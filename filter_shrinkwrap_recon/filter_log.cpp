@@ -74,7 +74,8 @@ void warn_of(const OrientationReport& report, std::vector<std::string>& warnings
   if (report.undecided_components > 0)
     warnings.push_back(
         count_of(report.undecided_components, "part") +
-        " of the cloud cannot be seen from outside: which side of them is outside is a guess.");
+        " of the cloud cannot be seen from outside: which side of them is outside is a guess. "
+        "Where it is wrong, turn the mesh (filter \"Invert Faces Orientation\").");
 }
 
 void tell_of_noise(double noise, const DenoisingReport& denoising,

@@ -10,7 +10,6 @@
 #include "finish_matching.h"
 #include "memory_estimate.h"
 #include "parallel.h"
-#include "promise.h"
 #include "stage_qualities.h"
 #include "voxel_search.h"
 
@@ -62,6 +61,16 @@ PointCloud prepare(const FilterInput& input, const ReconstructionOptions& option
   outcome.outliers = outlier_layer(outliers, input.points);
   outcome.log.push_back(
       conditioning_line(cloud.conditioning, cloud.frame.to_input_length(cloud.spacing)));
+  return cloud;
+}
+
+// As a surface is made from them; `options` of the later stages are changed to suit.
+PointCloud prepare_oriented(const FilterInput& input, ReconstructionOptions& options,
+                            Progress& progress, FilterOutcome& outcome) {
+  PointCloud cloud = prepare(input, options, progress, outcome);
+  const CloudReport samples = orient_and_smooth(cloud, options, progress);
+  warn_of(samples.orientation, outcome.warnings);
+  tell_of_noise(samples.noise.median, samples.denoising, options, outcome);
   return cloud;
 }
 
@@ -132,10 +141,7 @@ FilterOutcome run_initial_mesh(const FilterRequest& request, const FilterInput& 
                                Progress& progress) {
   FilterOutcome outcome;
   ReconstructionOptions options = request.options;
-  PointCloud cloud = prepare(input, options, progress, outcome);
-  const CloudReport samples = orient_and_smooth(cloud, options, progress);
-  warn_of(samples.orientation, outcome.warnings);
-  tell_of_noise(samples.noise.median, samples.denoising, options, outcome);
+  const PointCloud cloud = prepare_oriented(input, options, progress, outcome);
   const InitialMesh initial = make_initial_mesh(cloud, options.initial_mesh, progress);
   warn_of(initial.report, outcome.warnings);
   outcome.log.push_back(surface_verdict("initial mesh", initial.mesh));
@@ -162,11 +168,8 @@ FilterOutcome run_parametric_surface(const FilterRequest& request, const FilterI
                                      Progress& progress) {
   FilterOutcome outcome;
   ReconstructionOptions options = request.options;
-  PointCloud cloud = prepare(input, options, progress, outcome);
   options.host_scalar = host_scalar_for(input.points, options);
-  const CloudReport samples = orient_and_smooth(cloud, options, progress);
-  warn_of(samples.orientation, outcome.warnings);
-  tell_of_noise(samples.noise.median, samples.denoising, options, outcome);
+  const PointCloud cloud = prepare_oriented(input, options, progress, outcome);
   auto [surface, relaxation] =
       fit_surface(closed_surface(input.mesh, cloud.frame), cloud, options, progress);
   if (relaxation.faces_before > 0) outcome.log.push_back(relaxation_line(relaxation));
@@ -300,7 +303,7 @@ FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterIn
 
   progress.begin(Stage::report);
   const MeshReport checked = check_promise(outcome.mesh, points_at(input.points, cloud.input_index),
-                                           meeting_faces, request.options, progress);
+                                           meeting_faces, promise_of(request.options), progress);
   for (const auto& [name, value] : figures_of(checked)) outcome.figures[name] = value;
   outcome.log.push_back(kSucceeded + verdict_of(checked));
   return outcome;

@@ -3,17 +3,23 @@
 
 #include <vector>
 
-#include "reconstruct.h"
+#include "mesh_report.h"
+#include "result_mesh.h"
 
 namespace shrinkwrap {
 
-/// Measures `mesh` against the samples that it must pass through. `counted`: self-intersecting
-/// faces of the mesh as it is, if they are known; kNone to have them counted as
-/// `options.report` wants it. Throws ReconstructionFailed, which says what does not hold, unless
-/// the mesh is a 2-manifold, closed and oriented outwards (openings may be left open where the
-/// options say so), and every sample is exactly one vertex (not where a run stops at the parametric
-/// surface).
-MeshReport check_promise(const ResultMesh& mesh, const std::vector<Vec3>& samples, Index counted,
-                         const ReconstructionOptions& options, Progress& progress);
+struct PromiseOptions {
+  bool may_be_open = false;     ///< openings of the scan may be left open
+  bool matches_samples = true;  ///< every sample is exactly one vertex
+  MeshReportOptions report;
+};
+
+/// Measures `mesh` against the samples, the caller's. `self_intersecting_faces`: of the mesh as it
+/// is, if they are known; kNone to have them counted as the options want it. Throws
+/// ReconstructionFailed, which says what does not hold, unless the mesh is a 2-manifold, closed and
+/// oriented outwards, and matches the samples, as far as the options promise it.
+MeshReport check_promise(const ResultMesh& mesh, const std::vector<Vec3>& samples,
+                         Index self_intersecting_faces, const PromiseOptions& options,
+                         Progress& progress);
 
 }  // namespace shrinkwrap

@@ -11,7 +11,6 @@
 #include "finish_matching.h"
 #include "freed_memory.h"
 #include "memory_estimate.h"
-#include "promise.h"
 #include "self_intersection.h"
 #include "stage_qualities.h"
 
@@ -361,9 +360,9 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   const bool is_counted = !options.stop_at_parametric_surface &&
                           options.intersection_repair.enabled && result.openings.left_open == 0 &&
                           result.complete_matching.extra_vertices == 0;
-  result.report =
-      check_promise(result.mesh, kept.empty() ? points : kept,
-                    is_counted ? result.intersection_repair.faces_after : kNone, options, progress);
+  result.report = check_promise(result.mesh, kept.empty() ? points : kept,
+                                is_counted ? result.intersection_repair.faces_after : kNone,
+                                promise_of(options), progress);
   log.add(Stage::report, result.report.vertices);
   return result;
 }
@@ -432,6 +431,15 @@ FittedSurface fit_surface(SurfaceMesh control, const PointCloud& cloud,
   }
   measure_distances(result.surface, cloud, options.parametric_surface, progress);
   return result;
+}
+
+PromiseOptions promise_of(const ReconstructionOptions& options) {
+  PromiseOptions promise;
+  promise.may_be_open =
+      options.complete_matching.openings != CompleteMatchingOptions::Openings::close;
+  promise.matches_samples = !options.stop_at_parametric_surface;
+  promise.report = options.report;
+  return promise;
 }
 
 std::vector<Stage> stages_of(const ReconstructionOptions& options) {

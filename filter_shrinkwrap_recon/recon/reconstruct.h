@@ -18,6 +18,7 @@
 #include "outliers.h"
 #include "parametric_surface.h"
 #include "point_cloud.h"
+#include "promise.h"
 #include "result_mesh.h"
 
 namespace shrinkwrap {
@@ -133,6 +134,9 @@ struct FittedSurface {
 /// faces that meet others are smoothed apart, and both reports are of the result.
 FittedSurface fit_surface(SurfaceMesh control, const PointCloud& cloud,
                           const ReconstructionOptions& options, Progress& progress);
+
+/// What a run with these options promises of its mesh.
+PromiseOptions promise_of(const ReconstructionOptions& options);
 
 /// The stages that a run with these options passes, for the construction of its Progress.
 std::vector<Stage> stages_of(const ReconstructionOptions& options);
