@@ -2,6 +2,7 @@
 #include "face_meetings.h"
 
 #include <gtest/gtest.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 
@@ -88,6 +89,46 @@ TEST(FaceMeetings, TestsEndAtTheirBound) {
   EXPECT_TRUE(was_refused);
   EXPECT_EQ(meetings.tests(), 100);
   EXPECT_FALSE(meetings.has_tests_left());
+}
+
+TEST(FaceMeetings, KeepNoMorePairsThanTheMeshHasRoomForButCountAllFaces) {
+  // A heap, in which each face meets hundreds, and a sphere that is fit for repair.
+  Random random(4);
+  SurfaceMesh heap = icosphere(3);
+  for (Vec3& p : heap.position) p = random.in_cube();
+  const SurfaceMesh sphere = shaken_sphere(random);
+  std::vector<Vec3> positions = heap.position;
+  std::vector<Triangle> triangles = heap.triangles();
+  const Index first = heap.vertex_slots(), heap_faces = heap.face_slots();
+  for (const Vec3& p : sphere.position) positions.push_back(p + Vec3(4.0, 0.0, 0.0));
+  for (const Triangle& t : sphere.triangles())
+    triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  const SurfaceMesh mesh = SurfaceMesh::from_triangles(positions, triangles);
+  const Pairs all = found_anew(mesh);
+  const std::size_t bound =
+      std::max(FaceMeetings::kPairsPerFace * triangles.size(), FaceMeetings::kLeastPairs);
+  ASSERT_GT(all.size(), 2 * bound);
+
+  Pairs pairs[2];
+  for (const int threads : {1, 2}) {
+    tbb::task_arena arena(threads);
+    arena.execute([&] {
+      Progress progress;
+      const FaceMeetings meetings(mesh, kManyTests, progress);
+      EXPECT_FALSE(meetings.has_all_pairs());
+      EXPECT_LE(static_cast<std::size_t>(meetings.pair_count()), bound);
+      const std::vector<Index> faces = intersecting_faces(all);
+      EXPECT_EQ(meetings.all_faces(progress), faces);
+      EXPECT_EQ(meetings.faces_at_first(), static_cast<Index>(faces.size()));
+      pairs[threads - 1] = meetings.pairs_of(meetings.faces());
+    });
+  }
+  EXPECT_EQ(pairs[0], pairs[1]);
+  EXPECT_TRUE(std::includes(all.begin(), all.end(), pairs[0].begin(), pairs[0].end()));
+  // The heap takes nothing from the sphere, but for faces that share a cluster with it.
+  const auto in_sphere = [&](const FaceMeetings::Pair& pair) { return pair.first >= heap_faces; };
+  EXPECT_GT(std::count_if(pairs[0].begin(), pairs[0].end(), in_sphere),
+            0.9 * std::count_if(all.begin(), all.end(), in_sphere));
 }
 
 }  // namespace

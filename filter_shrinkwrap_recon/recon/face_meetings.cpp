@@ -21,11 +21,29 @@ FaceMeetings::FaceMeetings(const SurfaceMesh& mesh, std::int64_t max_tests, Prog
     : mesh_(mesh), test_(mesh.position), max_tests_(max_tests), tests_left_(max_tests) {
   const std::vector<Triangle> triangles = slot_triangles(mesh);
   tree_ = BoxTree(mesh.position, triangles, progress);
-  for (const auto& [f, g] : self_intersections(tree_, test_, triangles, progress)) {
-    met_[f].push_back(g);
-    met_[g].push_back(f);
-    ++pair_count_;
+  const std::size_t clusters = static_cast<std::size_t>(std::max(tree_.cluster_count(), 1));
+  const std::size_t most = std::max(kPairsPerFace * triangles.size(), kLeastPairs) / clusters;
+  const KeptMeetings found = keep_meetings(tree_, test_, triangles, most, progress);
+  faces_at_first_ = static_cast<Index>(found.faces.size());
+  has_all_pairs_ = found.has_all_pairs;
+  pair_count_ = static_cast<Index>(found.pairs.size());
+  std::vector<Index> count(triangles.size(), 0);
+  for (const auto& [f, g] : found.pairs) {
+    ++count[f];
+    ++count[g];
   }
+  met_.reserve(found.faces.size());
+  for (const auto& [f, g] : found.pairs)
+    for (const auto& [face, other] : {std::make_pair(f, g), std::make_pair(g, f)}) {
+      std::vector<Index>& met = met_[face];
+      if (met.empty()) met.reserve(static_cast<std::size_t>(count[face]));
+      met.push_back(other);
+    }
+}
+
+std::vector<Index> FaceMeetings::all_faces(Progress& progress) const {
+  if (has_all_pairs_) return faces();
+  return self_intersecting_faces(tree_, test_, slot_triangles(mesh_), progress);
 }
 
 std::vector<Index> FaceMeetings::faces() const {

@@ -17,17 +17,30 @@ namespace shrinkwrap {
 /// make, and `replace` keeps the result. Pairs that are known are looked up, not tested again.
 ///
 /// Tests have a hard bound, for heaps in which all faces meet each other: a triangle for which it
-/// does not suffice is never said to meet few.
+/// does not suffice is never said to meet few. So have the pairs that are kept, `kPairsPerFace` for
+/// each face of the mesh: of a heap some are then not known of, and the faces that a change
+/// replaces count as meeting fewer than they do. What is found for new faces is complete, so that
+/// even then no change that seems to lower the number of pairs raises it.
 class FaceMeetings {
  public:
   /// A face slot, and a face that it meets.
   using Pair = std::pair<Index, Index>;
 
-  /// Finds all pairs, beyond the bound; the mesh must outlive the object. O(F log F) for a surface.
+  /// Pairs kept of each cluster of 64 faces: as many for each face, but in small meshes more, up to
+  /// `kLeastPairs` in all. Surfaces have less than one a face.
+  static constexpr std::size_t kPairsPerFace = 20;
+  static constexpr std::size_t kLeastPairs = 100000;
+
+  /// Finds the pairs, beyond the bound of tests; the mesh must outlive the object. O(F log F) for a
+  /// surface. Memory O(F).
   FaceMeetings(const SurfaceMesh& mesh, std::int64_t max_tests, Progress& progress);
 
-  Index pair_count() const { return pair_count_; }
-  std::vector<Index> faces() const;  ///< that meet others, ascending
+  Index pair_count() const { return pair_count_; }  ///< that are known
+  bool has_all_pairs() const { return has_all_pairs_; }
+  Index faces_at_first() const { return faces_at_first_; }  ///< that met others; exact
+  std::vector<Index> faces() const;  ///< of the pairs that are known, ascending
+  /// Faces that meet others, ascending, however many pairs are known. Searches for them if not all.
+  std::vector<Index> all_faces(Progress& progress) const;
   const std::vector<Index>& faces_met_by(Index f) const;
   /// Pairs with one or two of these faces, each once, ascending.
   std::vector<Pair> pairs_of(const std::vector<Index>& faces) const;
@@ -57,6 +70,8 @@ class FaceMeetings {
   BoxTree tree_;
   std::unordered_map<Index, std::vector<Index>> met_;  // both ways; order within is of no avail
   Index pair_count_ = 0;
+  Index faces_at_first_ = 0;
+  bool has_all_pairs_ = true;
   std::int64_t max_tests_;
   mutable std::int64_t tests_left_;
 };

@@ -342,7 +342,7 @@ RepairReport Repair::run() {
   std::vector<Index> faces = meetings_.faces();
   RepairReport report;
   report.before = meetings_.pair_count();
-  report.faces_before = static_cast<Index>(faces.size());
+  report.faces_before = meetings_.faces_at_first();
   if (faces.empty()) return report;
   const std::int64_t max_trials =
       options_.max_trials > 0 ? options_.max_trials : kLeastTrials + mesh_.face_slots();
@@ -381,13 +381,13 @@ RepairReport Repair::run() {
   least_height_ = kLeastHeight;
   unfold(changed);
   turn_outward(mesh_);
-  progress_.set_range(0.0, 1.0);
-  report.remaining_faces = meetings_.faces();
+  report.remaining_faces = meetings_.all_faces(progress_);
   report.after = meetings_.pair_count();
   report.faces_after = static_cast<Index>(report.remaining_faces.size());
   report.flips = flips_;
   report.relocated = relocated_;
   report.tests = meetings_.tests();
+  progress_.set_range(0.0, 1.0);
   return report;
 }
 

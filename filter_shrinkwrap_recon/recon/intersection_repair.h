@@ -26,11 +26,11 @@ struct RepairOptions {
 };
 
 struct RepairReport {
-  Index before = 0;  ///< pairs of faces that meet
+  Index before = 0;  ///< pairs of faces that meet, as far as they are known (face_meetings.h)
   Index after = 0;
-  Index faces_before = 0;  ///< in such pairs
+  Index faces_before = 0;  ///< that meet others: exact however many pairs are known
   Index faces_after = 0;
-  std::vector<Index> remaining_faces;  ///< those, ascending
+  std::vector<Index> remaining_faces;  ///< those that are left, ascending
   Index flips = 0;
   Index relocated = 0;  ///< samples
   int rounds = 0;

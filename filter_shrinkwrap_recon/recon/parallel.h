@@ -70,7 +70,10 @@ std::vector<Value> parallel_collect(Index count, Index grain, Progress& progress
   for (const auto& part : partial) total += part.size();
   std::vector<Value> result;
   result.reserve(total);
-  for (const auto& part : partial) result.insert(result.end(), part.begin(), part.end());
+  for (auto& part : partial) {
+    result.insert(result.end(), part.begin(), part.end());
+    part = std::vector<Value>();  // so that nothing is held twice for long
+  }
   return result;
 }
 

@@ -25,6 +25,21 @@ std::vector<std::pair<Index, Index>> self_intersections(const BoxTree& tree,
                                                         const std::vector<Triangle>& triangles,
                                                         Progress& progress);
 
+/// Pairs of faces that meet, as far as they may be kept, and the faces of all of them.
+struct KeptMeetings {
+  std::vector<std::pair<Index, Index>> pairs;  ///< f < g, ascending
+  std::vector<Index> faces;                    ///< that meet any other, ascending
+  bool has_all_pairs = true;                   ///< surely
+};
+
+/// The same pairs, but of each cluster of the tree only the first `most_per_cluster` that come up
+/// in it, so that a heap in which all faces meet each other takes no memory from the rest of the
+/// mesh. The faces are exact nevertheless. Beyond the bound, pairs of faces that are both known to
+/// meet others are not tested. Memory O(F) and the pairs kept.
+KeptMeetings keep_meetings(const BoxTree& tree, const TrianglePairs& test,
+                           const std::vector<Triangle>& triangles, std::size_t most_per_cluster,
+                           Progress& progress);
+
 /// The faces of such pairs, ascending, each once.
 std::vector<Index> intersecting_faces(const std::vector<std::pair<Index, Index>>& pairs);
 
