@@ -6,7 +6,10 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <map>
+#include <thread>
 
 #include "close_openings.h"
 #include "expect_mesh.h"
@@ -441,7 +444,7 @@ TEST(Openings, AreClosedWithoutCuttingAnything) {
       Index first_extra = 0;
       SurfaceMesh mesh = sphere_with_extra_vertices(part, seed, first_extra);
       Progress silent;
-      const std::vector<char> spans = close_openings(mesh, first_extra, silent);
+      const std::vector<char> spans = close_openings(mesh, first_extra, silent).spans;
       ASSERT_EQ(static_cast<Index>(spans.size()), mesh.face_slots());
       EXPECT_EQ(mesh.vertex_count(), first_extra);
       mesh.compact();
@@ -523,8 +526,9 @@ TEST(Openings, KeepAnExtraVertexThatCannotGo) {
   }
   SurfaceMesh mesh = SurfaceMesh::from_triangles(positions, triangles);
   Progress silent;
-  close_openings(mesh, mesh.vertex_slots() - 1, silent);
+  const Closing closing = close_openings(mesh, mesh.vertex_slots() - 1, silent);
   EXPECT_EQ(mesh.vertex_count(), mesh.vertex_slots());
+  EXPECT_EQ(closing.trials, 3) << "with faces that turn, and after a flip; then nothing changes";
   expect_closed_manifold(mesh, 2, 0);
   EXPECT_EQ(self_intersecting_faces(mesh), 0);
 
@@ -532,6 +536,61 @@ TEST(Openings, KeepAnExtraVertexThatCannotGo) {
   const Index last = icosahedron.vertex_slots() - 1;
   close_openings(icosahedron, last, silent);
   EXPECT_TRUE(icosahedron.is_removed_vertex(last));
+}
+
+// A disc whose rim of samples has one vertex on either side, the last of which is no sample.
+SurfaceMesh double_cone(Index rim) {
+  constexpr double kTurn = 6.283185307179586;
+  std::vector<Vec3> positions;
+  for (Index i = 0; i < rim; ++i)
+    positions.emplace_back(std::cos(kTurn * i / rim), std::sin(kTurn * i / rim), 0.0);
+  positions.emplace_back(0.0, 0.0, -1.0);
+  positions.emplace_back(0.0, 0.0, 0.5);
+  std::vector<Triangle> triangles;
+  for (Index i = 0; i < rim; ++i) {
+    triangles.push_back({rim, (i + 1) % rim, i});
+    triangles.push_back({rim + 1, i, (i + 1) % rim});
+  }
+  return SurfaceMesh::from_triangles(positions, triangles);
+}
+
+TEST(Openings, OfAFlatRimAreClosedWithoutATestOfEachPair) {
+  constexpr Index kRim = 1000;
+  SurfaceMesh mesh = double_cone(kRim);
+  Progress silent;
+  const Closing closing = close_openings(mesh, kRim + 1, silent);
+  EXPECT_EQ(mesh.vertex_count(), kRim + 1);
+  // The faces of a fan among themselves alone.
+  EXPECT_LT(closing.tests, kRim * (kRim - 1) / 2);
+  mesh.compact();
+  expect_closed_manifold(mesh, 1, 0);
+  EXPECT_EQ(self_intersecting_faces(mesh), 0);
+}
+
+TEST(Openings, AreClosedWithinTheTests) {
+  constexpr Index kRim = 1000;
+  for (const std::int64_t tests : {1, 1000, 5000}) {
+    SurfaceMesh mesh = double_cone(kRim);
+    Progress silent;
+    ClosingOptions options;
+    options.max_tests = tests;
+    const Closing closing = close_openings(mesh, kRim + 1, silent, {}, options);
+    EXPECT_EQ(mesh.vertex_count(), kRim + 2) << "what would cost more stays";
+    EXPECT_LE(closing.tests, tests + 2 * kRim);
+    expect_closed_manifold(mesh, 1, 0);
+  }
+}
+
+TEST(Openings, CanBeCancelledWithinOneVertex) {
+  constexpr Index kRim = 1000;
+  SurfaceMesh mesh = double_cone(kRim);
+  bool may_go_on = true;
+  Progress progress([&](double, const char*) { return may_go_on; }, {Stage::complete_matching});
+  progress.begin(Stage::complete_matching);
+  may_go_on = false;
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));  // lest the callback be spared
+  EXPECT_THROW(close_openings(mesh, kRim + 1, progress), Cancelled);
+  EXPECT_FALSE(mesh.is_removed_vertex(kRim + 1));
 }
 
 }  // namespace

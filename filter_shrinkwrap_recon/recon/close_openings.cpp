@@ -1,6 +1,8 @@
 #include "close_openings.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <tuple>
 #include <utility>
 
@@ -8,6 +10,7 @@
 #include "collapse_rating.h"
 #include "delaunay_flips.h"
 #include "sort_unique.h"
+#include "triangle_geometry.h"
 #include "triangle_pair.h"
 
 namespace shrinkwrap {
@@ -17,62 +20,187 @@ constexpr int kRounds = 60;
 constexpr int kTurningRound = 8;  // from here on also by collapses that turn a face
 constexpr int kStalls = 3;        // rounds without a removal, edges flipped after each
 
+constexpr std::int64_t kLeastTests = 2000000;
+constexpr std::int64_t kTestsPerFace = 200;
+constexpr std::int64_t kTestsOfSearch = 8;  // what a search of the tree counts as
+constexpr std::int64_t kPollInterval = 1 << 12;
+
+// Where faces have changed, and when: a coarse grid over a box, each cell with the time of its last
+// change. Says rather too often that something has changed.
+class ChangeMap {
+ public:
+  using Box = BoxTree::Box;
+
+  ChangeMap() = default;
+  explicit ChangeMap(const Box& box) : box_(box), changed_(kCells * kCells * kCells, 0) {}
+
+  std::uint32_t now() const { return now_; }
+  void mark(const Box& box) {
+    ++now_;
+    for_each_cell(box, [&](std::uint32_t& time) {
+      time = now_;
+      return false;
+    });
+  }
+  bool has_changed(const Box& box, std::uint32_t since) {
+    return for_each_cell(box, [&](std::uint32_t time) { return time > since; });
+  }
+
+ private:
+  static constexpr int kCells = 32;  // along each axis
+
+  // Rising with the coordinate, so that boxes that overlap have a cell in common.
+  int cell(float x, int axis) const {
+    const float low = box_[axis], width = box_[axis + 3] - low;
+    return width > 0.0f
+               ? static_cast<int>(std::clamp((x - low) / width * kCells, 0.0f, kCells - 1.0f))
+               : 0;
+  }
+  // Until `fn` returns true; returns whether it did.
+  template <class Fn>
+  bool for_each_cell(const Box& box, const Fn& fn) {
+    std::array<int, 3> first, last;
+    for (int axis = 0; axis < 3; ++axis) {
+      first[axis] = cell(box[axis], axis);
+      last[axis] = cell(box[axis + 3], axis);
+    }
+    for (int x = first[0]; x <= last[0]; ++x)
+      for (int y = first[1]; y <= last[1]; ++y)
+        for (int z = first[2]; z <= last[2]; ++z)
+          if (fn(changed_[(x * kCells + y) * kCells + z])) return true;
+    return false;
+  }
+
+  Box box_{};
+  std::vector<std::uint32_t> changed_;
+  std::uint32_t now_ = 0;
+};
+
+BoxTree::Box joined(const BoxTree::Box& a, const BoxTree::Box& b) {
+  BoxTree::Box box;
+  for (int axis = 0; axis < 3; ++axis) {
+    box[axis] = std::min(a[axis], b[axis]);
+    box[axis + 3] = std::max(a[axis + 3], b[axis + 3]);
+  }
+  return box;
+}
+
 class OpeningCloser {
  public:
   OpeningCloser(SurfaceMesh& mesh, Index first_extra, const std::vector<Index>& opening_faces,
-                Progress& progress)
+                const ClosingOptions& options, Progress& progress)
       : mesh_(mesh),
         first_extra_(first_extra),
+        progress_(progress),
         pairs_(mesh.position),
         is_open_(mesh.face_slots(), 0),
-        spans_(mesh.face_slots(), 0) {
+        max_tests_(options.max_tests > 0 ? options.max_tests
+                                         : kLeastTests + kTestsPerFace * mesh.face_slots()) {
     for (const Index f : opening_faces) is_open_[f] = 1;
+    closing_.spans.assign(static_cast<std::size_t>(mesh.face_slots()), 0);
     const Index count = mesh.vertex_slots() - first_extra;
     std::vector<char> is_dropped(static_cast<std::size_t>(count), 1);
     for (Index f = 0; f < mesh.face_slots(); ++f) {
       if (is_open_[f]) continue;
       for (const Index v : mesh.triangle(f)) {
         if (v < first_extra) continue;
-        spans_[f] = 1;
+        closing_.spans[f] = 1;
         is_dropped[v - first_extra] = 0;
       }
     }
     // Every other one first, then every other one of the rest, and so on; the first of all last.
+    const auto add = [&](Index i) {
+      if (is_dropped[i]) return;
+      Pending pending;
+      pending.vertex = first_extra + i;
+      pending_.push_back(pending);
+    };
     for (Index step = 1; step <= count; step *= 2)
-      for (Index i = step; i < count; i += 2 * step)
-        if (!is_dropped[i]) pending_.push_back(first_extra + i);
-    if (count > 0 && !is_dropped[0]) pending_.push_back(first_extra);
-    if (!pending_.empty()) boxes_ = BoxTree(mesh.position, mesh.triangles(), progress);
+      for (Index i = step; i < count; i += 2 * step) add(i);
+    if (count > 0) add(0);
+    given_ = pending_.size();
+    if (pending_.empty()) return;
+    boxes_ = BoxTree(mesh.position, mesh.triangles(), progress);
+    Box all = box_around(pending_.front().vertex);
+    for (const Pending& pending : pending_) all = joined(all, box_around(pending.vertex));
+    changes_ = ChangeMap(all);
   }
 
-  std::vector<char> close(Progress& progress) {
-    const std::size_t given = pending_.size();
+  Closing close() {
     int stalls = 0;
-    for (int round = 0; round < kRounds && !pending_.empty(); ++round) {
+    for (int round = 0; round < kRounds && !pending_.empty() && has_tests_left(); ++round) {
+      const bool may_turn = round >= kTurningRound;
       std::size_t kept = 0;
-      for (const Index v : pending_) {
-        if (!try_remove(v, round >= kTurningRound)) pending_[kept++] = v;
-        progress.update(1.0 - static_cast<double>(pending_.size()) / static_cast<double>(given));
-      }
+      for (Pending& pending : pending_)
+        if (!try_again(pending, may_turn)) pending_[kept++] = pending;
       const bool is_stuck = kept == pending_.size();
       pending_.resize(kept);
       if (!is_stuck) continue;
-      if (round < kTurningRound) {
+      if (!may_turn) {
         round = kTurningRound - 1;
         continue;
       }
       if (++stalls > kStalls) break;
-      for (const Index v : pending_) {
-        clip_ears(v);
-        progress.update(1.0 - static_cast<double>(pending_.size()) / static_cast<double>(given));
-      }
+      for (Pending& pending : pending_) clip_again(pending);
     }
-    return std::move(spans_);
+    return std::move(closing_);
   }
 
  private:
+  using Box = BoxTree::Box;
+
+  // A vertex that has not gone yet, and what is known of the last trials.
+  struct Pending {
+    static constexpr std::uint32_t kNever = ~std::uint32_t{0};
+    Index vertex = kNone;
+    Box box{};                       // of the faces around it
+    std::uint32_t tried = kNever;    // when a removal failed ...
+    std::uint32_t clipped = kNever;  // ... and the last flip
+    bool could_turn = false;
+  };
+
+  bool has_tests_left() const { return closing_.tests < max_tests_; }
+  void count_tests(std::int64_t tests) {
+    closing_.tests += tests;
+    since_poll_ += tests;
+    if (since_poll_ < kPollInterval) return;
+    since_poll_ = 0;
+    progress_.update(1.0 - static_cast<double>(pending_.size()) / static_cast<double>(given_));
+  }
+
+  Box box_around(Index v) const {
+    Box box = boxes_.box_of(mesh_.position, {v, v, v});
+    mesh_.for_each_outgoing(v, [&](Index h) {
+      const Index u = mesh_.target(h);
+      box = joined(box, boxes_.box_of(mesh_.position, {u, u, u}));
+    });
+    return box;
+  }
+
+  // All that decides on a trial touches a corner of the ring or lies in the box of the ring.
+  bool is_as_before(const Pending& pending, std::uint32_t time) {
+    return time != Pending::kNever && !changes_.has_changed(pending.box, time);
+  }
+  bool try_again(Pending& pending, bool may_turn) {
+    if (may_turn == pending.could_turn && is_as_before(pending, pending.tried)) return false;
+    if (!has_tests_left()) return false;
+    ++closing_.trials;
+    if (try_remove(pending.vertex, may_turn)) return true;
+    pending.box = box_around(pending.vertex);
+    pending.tried = changes_.now();
+    pending.could_turn = may_turn;
+    return false;
+  }
+  void clip_again(Pending& pending) {
+    if (is_as_before(pending, pending.clipped)) return;
+    if (!has_tests_left()) return;
+    clip_ears(pending.vertex);
+    pending.clipped = changes_.now();
+  }
+
   bool try_remove(Index v, bool may_turn) {
     rating_.gather(mesh_, v);
+    count_tests(static_cast<std::int64_t>(rating_.halfedges().size()));
     if (is_at_border()) return try_remove_at_border(v, may_turn);
     rating_.rate(mesh_, v);
     while (true) {
@@ -105,6 +233,8 @@ class OpeningCloser {
                               h);
     std::sort(targets_.begin(), targets_.end());
     for (const auto& [length, h] : targets_) {
+      count_tests(static_cast<std::int64_t>(rating_.halfedges().size()));
+      if (!has_tests_left()) return false;
       if (!mesh_.is_collapse_legal(h) || !keeps_borders(h) || fan_cuts(h)) continue;
       if (!may_turn && fresh_turns_from(normal)) continue;
       collapse(h);
@@ -160,12 +290,20 @@ class OpeningCloser {
     const Index apex = mesh_.target(halfedge);
     fresh_.clear();
     replaced_.clear();
+    std::size_t first = 0;  // the one after the apex
+    bool is_whole = true;
     for (const Index h : rating_.halfedges()) {
       replaced_.push_back(SurfaceMesh::face(h));
       const Index p = mesh_.target(h), q = mesh_.opposite(h);
-      if (p != apex && q != apex && !is_open_[SurfaceMesh::face(h)]) fresh_.push_back({apex, p, q});
+      if (p == apex) first = fresh_.size();
+      if (p == apex || q == apex) continue;
+      if (is_open_[SurfaceMesh::face(h)])
+        is_whole = false;
+      else
+        fresh_.push_back({apex, p, q});
     }
-    return fresh_cuts();
+    std::rotate(fresh_.begin(), fresh_.begin() + static_cast<std::ptrdiff_t>(first), fresh_.end());
+    return fresh_cuts(is_whole && is_surely_flat_fan());
   }
 
   bool flip_cuts(Index h) {
@@ -174,25 +312,73 @@ class OpeningCloser {
                 d = mesh_.opposite(o);
     fresh_ = {{d, c, a}, {c, d, b}};
     replaced_ = {SurfaceMesh::face(h), SurfaceMesh::face(o)};
-    return fresh_cuts();
+    return fresh_cuts(false);
   }
 
-  // Whether the fresh faces meet each other, or any that stays but those that they replace.
-  bool fresh_cuts() {
-    for (std::size_t i = 0; i < fresh_.size(); ++i) {
-      if (is_degenerate(fresh_[i])) return true;
-      for (std::size_t j = 0; j < i; ++j)
-        if (pairs_.meet(fresh_[i], fresh_[j])) return true;
+  // Whether there is a plane in which the fresh faces, each sharing an edge with the next, lie side
+  // by side around their first corner: then none of them meets another. The margin is above what
+  // rounding can do to the products.
+  bool is_surely_flat_fan() const {
+    constexpr double kMargin = 1e-13;
+    if (fresh_.size() < 2) return true;
+    const Vec3& apex = mesh_.position[fresh_.front()[0]];
+    Vec3 normal = Vec3::Zero();
+    for (const Triangle& t : fresh_)
+      normal += (mesh_.position[t[1]] - apex).cross(mesh_.position[t[2]] - apex);
+    normal = unit_or_zero(normal);
+    if (!(normal.squaredNorm() > 0.5)) return false;
+    const Vec3 across = normal.unitOrthogonal(), up = normal.cross(across);
+    struct Ray {
+      double x, y, length;
+    };
+    const auto ray_to = [&](Index v) {
+      const Vec3 d = mesh_.position[v] - apex;
+      return Ray{d.dot(across), d.dot(up), d.norm()};
+    };
+    const auto side = [&](const Ray& a, const Ray& b) {  // 1: b is left of a; 0: not sure
+      const double cross = a.x * b.y - a.y * b.x, margin = kMargin * a.length * b.length;
+      return cross > margin ? 1 : cross < -margin ? -1 : 0;
+    };
+    const Ray first = ray_to(fresh_.front()[1]);
+    Ray last = first;
+    bool is_past_half = false;
+    for (const Triangle& t : fresh_) {
+      const Ray next = ray_to(t[2]);
+      const int from_first = side(first, next);
+      if (side(last, next) != 1 || from_first == 0) return false;
+      if (from_first > 0 && is_past_half) return false;  // once around
+      is_past_half = from_first < 0;
+      last = next;
     }
+    return true;
+  }
+
+  // Whether the fresh faces meet each other, unless that is known not to be, or any that stays but
+  // those that they replace. True also if the tests do not suffice to find out.
+  bool fresh_cuts(bool are_apart) {
+    for (const Triangle& t : fresh_)
+      if (is_degenerate(t)) return true;
     const auto is_replaced = [&](Index f) {
       return mesh_.is_removed_face(f) || is_open_[f] ||
              std::find(replaced_.begin(), replaced_.end(), f) != replaced_.end();
     };
-    for (const Triangle& t : fresh_)
+    for (const Triangle& t : fresh_) {
+      count_tests(kTestsOfSearch);
+      if (!has_tests_left()) return true;
       if (boxes_.any_near(mesh_.position, t, [&](Index f) {
-            return !is_replaced(f) && pairs_.meet(t, mesh_.triangle(f));
+            if (is_replaced(f)) return false;
+            count_tests(1);
+            return pairs_.meet(t, mesh_.triangle(f));
           }))
         return true;
+    }
+    if (are_apart) return false;
+    for (std::size_t i = 0; i < fresh_.size(); ++i) {
+      count_tests(static_cast<std::int64_t>(i));
+      if (!has_tests_left()) return true;
+      for (std::size_t j = 0; j < i; ++j)
+        if (pairs_.meet(fresh_[i], fresh_[j])) return true;
+    }
     return false;
   }
 
@@ -202,6 +388,7 @@ class OpeningCloser {
   }
 
   void collapse(Index halfedge) {
+    changes_.mark(box_around(mesh_.origin(halfedge)));
     mesh_.collapse(halfedge);
     stack_.clear();
     for (const Index h : rating_.halfedges()) {
@@ -224,10 +411,15 @@ class OpeningCloser {
 
   bool try_flip(Index h) {
     const Index first = SurfaceMesh::face(h), second = SurfaceMesh::face(mesh_.twin(h));
-    if (!spans_[first] || !spans_[second] || !mesh_.is_flip_legal(h) || flip_cuts(h)) return false;
+    const std::vector<char>& spans = closing_.spans;
+    if (!spans[first] || !spans[second] || !mesh_.is_flip_legal(h) || flip_cuts(h)) return false;
     mesh_.flip(h);
-    for (const Index f : {first, second})
-      boxes_.set_box(f, boxes_.box_of(mesh_.position, mesh_.triangle(f)));
+    Box box[2];
+    for (const Index f : {first, second}) {
+      box[f == second] = boxes_.box_of(mesh_.position, mesh_.triangle(f));
+      boxes_.set_box(f, box[f == second]);
+    }
+    changes_.mark(joined(box[0], box[1]));
     return true;
   }
 
@@ -237,6 +429,7 @@ class OpeningCloser {
     for (bool has_clipped = true; has_clipped;) {
       has_clipped = false;
       rating_.gather(mesh_, v);
+      count_tests(static_cast<std::int64_t>(rating_.halfedges().size()));
       ears_.clear();
       for (const Index h : rating_.halfedges()) {
         const Vec3 diagonal =
@@ -252,11 +445,15 @@ class OpeningCloser {
 
   SurfaceMesh& mesh_;
   Index first_extra_;
+  Progress& progress_;
   TrianglePairs pairs_;
-  BoxTree boxes_;               // of the faces as they are
-  std::vector<char> is_open_;   // per face slot: it is dropped at the end, and in nobody's way
-  std::vector<char> spans_;     // per face slot
-  std::vector<Index> pending_;  // extra vertices
+  BoxTree boxes_;              // of the faces as they are
+  std::vector<char> is_open_;  // per face slot: it is dropped at the end, and in nobody's way
+  std::vector<Pending> pending_;
+  std::size_t given_ = 0;  // of these, at first
+  ChangeMap changes_;
+  std::int64_t max_tests_, since_poll_ = 0;
+  Closing closing_;
   CollapseRating rating_;
   std::vector<Triangle> fresh_;  // faces that an operation would make ...
   std::vector<Index> replaced_;  // ... in place of these
@@ -293,15 +490,16 @@ class FaceNames {
 
 }  // namespace
 
-std::vector<char> close_openings(SurfaceMesh& mesh, Index first_extra, Progress& progress,
-                                 const std::vector<Index>& opening_faces) {
-  return OpeningCloser(mesh, first_extra, opening_faces, progress).close(progress);
+Closing close_openings(SurfaceMesh& mesh, Index first_extra, Progress& progress,
+                       const std::vector<Index>& opening_faces, const ClosingOptions& options) {
+  return OpeningCloser(mesh, first_extra, opening_faces, options, progress).close();
 }
 
 Index close_openings(CompleteMatching& matching, Index samples, Progress& progress) {
   SurfaceMesh& mesh = matching.mesh;
   const Index before = mesh.vertex_count();
-  const std::vector<char> spans = close_openings(mesh, samples, progress, matching.opening_faces);
+  const std::vector<char> spans =
+      close_openings(mesh, samples, progress, matching.opening_faces).spans;
   // Samples keep their index. Of the extra vertices only those that go change places.
   std::vector<Index> new_index(mesh.position.size(), kNone);
   Index count = 0;
