@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <map>
 
 #include "expect_mesh.h"
 #include "reconstruct.h"
@@ -21,7 +23,9 @@ TEST(GenusLimit, CutsAHandleWhereItIsThinnest) {
   SurfaceMesh torus = testing::torus_mesh(48, 16);
   Progress silent;
   EXPECT_EQ(genus_of(torus, silent), 1);
-  EXPECT_EQ(limit_genus(torus, 0, silent), 1);
+  const GenusLimitReport report = limit_genus(torus, 0, silent);
+  EXPECT_EQ(report.cut, 1);
+  EXPECT_EQ(report.rounds, 1);
   EXPECT_TRUE(torus.is_consistent());
   EXPECT_EQ(genus_of(torus, silent), 0);
   // Around the tube there are 16 edges: as many vertices twice, and two more in the middle.
@@ -32,8 +36,71 @@ TEST(GenusLimit, LeavesWhatIsWithinIt) {
   SurfaceMesh torus = testing::torus_mesh(12, 6);
   const std::vector<Triangle> before = torus.triangles();
   Progress silent;
-  EXPECT_EQ(limit_genus(torus, 1, silent), 0);
+  EXPECT_EQ(limit_genus(torus, 1, silent).cut, 0);
   EXPECT_EQ(torus.triangles(), before);
+}
+
+// A plate with `holes` times `holes` square holes, of cubes without the sides between them; each
+// side of a cube is `steps` edges wide.
+SurfaceMesh perforated_plate(int holes, int steps) {
+  const int cells = 2 * holes + 1, lines = cells * steps + 1;
+  const auto is_solid = [&](int i, int j) {
+    return i >= 0 && j >= 0 && i < cells && j < cells && (i % 2 == 0 || j % 2 == 0);
+  };
+  std::map<std::array<int, 3>, Index> index;
+  std::vector<Vec3> positions;
+  std::vector<Triangle> triangles;
+  const auto vertex = [&](const std::array<int, 3>& at) {
+    const auto [entry, is_new] = index.emplace(at, static_cast<Index>(positions.size()));
+    if (is_new) positions.emplace_back(Vec3(at[0], at[1], at[2]) / lines);
+    return entry->second;
+  };
+  // The square with a corner at `origin` and these sides, counter-clockwise from outside.
+  const auto add_side = [&](const std::array<int, 3>& origin, const std::array<int, 3>& u,
+                            const std::array<int, 3>& v) {
+    const auto at = [&](int a, int b) {
+      return vertex({origin[0] + a * u[0] + b * v[0], origin[1] + a * u[1] + b * v[1],
+                     origin[2] + a * u[2] + b * v[2]});
+    };
+    for (int a = 0; a < steps; ++a)
+      for (int b = 0; b < steps; ++b) {
+        triangles.push_back({at(a, b), at(a + 1, b), at(a + 1, b + 1)});
+        triangles.push_back({at(a, b), at(a + 1, b + 1), at(a, b + 1)});
+      }
+  };
+  const int s = steps;
+  for (int i = 0; i < cells; ++i)
+    for (int j = 0; j < cells; ++j) {
+      if (!is_solid(i, j)) continue;
+      const int x = i * s, y = j * s;
+      add_side({x, y, s}, {1, 0, 0}, {0, 1, 0});
+      add_side({x, y, 0}, {0, 1, 0}, {1, 0, 0});
+      if (!is_solid(i - 1, j)) add_side({x, y, 0}, {0, 0, 1}, {0, 1, 0});
+      if (!is_solid(i + 1, j)) add_side({x + s, y, 0}, {0, 1, 0}, {0, 0, 1});
+      if (!is_solid(i, j - 1)) add_side({x, y, 0}, {1, 0, 0}, {0, 0, 1});
+      if (!is_solid(i, j + 1)) add_side({x, y + s, 0}, {0, 0, 1}, {1, 0, 0});
+    }
+  return SurfaceMesh::from_triangles(std::move(positions), triangles);
+}
+
+TEST(GenusLimit, CutsManyHandlesInFewRounds) {
+  constexpr int kHoles = 20;
+  for (const Index maximum : {0, 150}) {
+    SurfaceMesh plate = perforated_plate(kHoles, 3);
+    const Index before = plate.vertex_count();
+    Progress silent;
+    ASSERT_EQ(genus_of(plate, silent), kHoles * kHoles);
+    const GenusLimitReport report = limit_genus(plate, maximum, silent);
+    EXPECT_EQ(report.cut, kHoles * kHoles - maximum);
+    EXPECT_TRUE(plate.is_consistent());
+    testing::expect_closed_manifold(plate, 1, maximum);
+    // One by one they would take some hundred times as many.
+    EXPECT_LE(report.rounds, 6);
+    EXPECT_LE(report.searches, 30);
+    // Around a bar or a hole there are twelve edges; some loops are longer once their neighbours
+    // are cut.
+    EXPECT_LE(plate.vertex_count() - before, 18 * report.cut);
+  }
 }
 
 TEST(GenusLimit, IsImposedOnAReconstruction) {

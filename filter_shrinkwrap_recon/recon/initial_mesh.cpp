@@ -172,7 +172,7 @@ InitialMesh make_initial_mesh(const PointCloud& cloud, const InitialMeshOptions&
     throw ReconstructionFailed(
         "no solid was found around the samples: try a larger voxel size or a lower level");
   if (options.maximum_genus >= 0 && result.report.genus > options.maximum_genus) {
-    result.report.handles_cut = limit_genus(result.mesh, options.maximum_genus, progress);
+    result.report.handles_cut = limit_genus(result.mesh, options.maximum_genus, progress).cut;
     result.report.genus -= result.report.handles_cut;
   }
   shrink(result.mesh, cloud, options, progress);
