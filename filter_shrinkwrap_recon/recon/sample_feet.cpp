@@ -9,6 +9,7 @@ namespace shrinkwrap {
 namespace {
 
 constexpr Index kGrain = 1 << 11;
+constexpr Index kPollInterval = 8;  // a search that looks at all faces takes a millisecond
 constexpr double kSurplus = 3.0;  // x spacing: how much farther a compatible foot may be
 
 struct DistanceSum {
@@ -34,6 +35,7 @@ SampleFeet find_sample_feet(const SurfaceMesh& surface, const PointCloud& cloud,
     DistanceSum distances;
     Index hint = kNone;
     for (Index i = begin; i < end; ++i) {
+      if (i % kPollInterval == 0) progress.update(0.0);
       const Vec3& p = cloud.position[i];
       const Vec3 normal = cloud.normal[i].cast<double>();
       const auto any = [](Index) { return true; };

@@ -78,6 +78,7 @@ class Builder {
     extreme_coordinates();
     surfaces_of_no_solid();
     uneven();
+    laborious();
     return std::move(exhibits_);
   }
 
@@ -324,6 +325,40 @@ class Builder {
             p.y() *= wanted / across;
           }
         }));
+  }
+
+  // No surface, and much to do: wide openings, heaps of faces, faces all equally far.
+  void laborious() {
+    for (const double distance : {1.0, 0.05})
+      add("two_circles_" + std::to_string(static_cast<int>(100.0 * distance)),
+          generated(5000, [&](Index i) {
+            const double u = random_.uniform(0.0, 2.0 * kPi);
+            return Vec3(std::cos(u), std::sin(u), i % 2 == 0 ? 0.0 : distance);
+          }));
+    add("radii_over_30_decades", generated(5000, [&](Index) {
+          const Vec3 direction = random_.direction();
+          return Vec3(direction * std::pow(10.0, 30.0 * random_.uniform()));
+        }));
+    for (const double decades : {8.0, 20.0})
+      add("cone_dense_over_" + std::to_string(static_cast<int>(decades)) + "_decades",
+          generated(5000, [&](Index) {
+            const double u = random_.uniform(0.0, 2.0 * kPi),
+                         r = std::pow(10.0, -decades * random_.uniform());
+            return Vec3(r * std::cos(u), r * std::sin(u), 2.0 * r);
+          }));
+    add("sphere_around_a_cluster", joined(sphere(5000), generated(5000, [&](Index) {
+                                            const Vec3 direction = random_.direction();
+                                            return Vec3(1e-3 * random_.uniform() * direction);
+                                          })));
+    add("sphere_around_a_small_sphere",
+        joined(sphere(5000), moved(sphere(5000), 0.01, Vec3::Zero())));
+    add("sphere_of_clumps", [&] {
+      const Points centres = sphere(500);
+      return joined(sphere(1000), generated(9000, [&](Index i) {
+                      const Vec3& centre = centres[static_cast<std::size_t>(i) % centres.size()];
+                      return Vec3(centre + 1e-4 * random_.in_cube());
+                    }));
+    }());
   }
 
   unsigned seed_;
