@@ -1,8 +1,10 @@
 // The face of a mesh nearest to a point, by a tree of boxes.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -25,15 +27,40 @@ class FaceTree {
     double squared_distance = std::numeric_limits<double>::infinity();
   };
 
+  /// How far the faces are from one query, for the queries near it. Where nearly all faces are
+  /// equally far, as from the centre of a sphere, boxes rule out none of them; but what was far
+  /// from the last query cannot be much nearer to the next. One for each thread; starts out empty,
+  /// and stays so while searches look at few faces.
+  class Anchor {
+   public:
+    std::int64_t looks() const { return looks_; }  ///< at faces, of all searches
+
+   private:
+    friend class FaceTree;
+    // Looks of a search that make it worth while to measure the next one.
+    static Index many(Index faces) { return std::max<Index>(256, faces / 64); }
+
+    Vec3 place_ = Vec3::Zero();
+    std::vector<float> distance_;  // per face; below 0: it was not looked at
+    bool measures_next_ = false;
+    std::int64_t looks_ = 0;
+  };
+
   /// O(F), parallel.
   FaceTree(const SurfaceMesh& mesh, Progress& progress);
 
   /// The face nearest to the query, nearer than `squared_limit` (infinite: any) and accepted;
   /// face == kNone if there is none. Of several at one distance the first met, which depends on
   /// nothing but the arguments. `hint`: a face that is probably near, or kNone. `accept(face)` is
-  /// asked only of faces nearer than the best so far.
+  /// asked only of faces nearer than the best so far. The answer does not depend on the `anchor`.
   template <class Accept>
-  Hit nearest(const Vec3& query, double squared_limit, Index hint, const Accept& accept) const;
+  Hit nearest(const Vec3& query, double squared_limit, Index hint, const Accept& accept,
+              Anchor& anchor) const;
+  template <class Accept>
+  Hit nearest(const Vec3& query, double squared_limit, Index hint, const Accept& accept) const {
+    Anchor none;
+    return nearest(query, squared_limit, hint, accept, none);
+  }
 
  private:
   static constexpr Index kWidth = 4;     // boxes to a node
@@ -73,14 +100,33 @@ class FaceTree {
 
 template <class Accept>
 FaceTree::Hit FaceTree::nearest(const Vec3& query, double squared_limit, Index hint,
-                                const Accept& accept) const {
+                                const Accept& accept, Anchor& anchor) const {
   Hit best;
   best.squared_distance = squared_limit;
   if (faces_ == 0) return best;
+  const bool measures = anchor.measures_next_;
+  if (measures) {
+    anchor.place_ = query;
+    anchor.distance_.assign(static_cast<std::size_t>(faces_), -1.0f);
+  }
+  const bool has_anchor = !measures && !anchor.distance_.empty();
+  // Beyond what rounding can do to a distance, also that of a needle.
+  constexpr double kMargin = 1e-5;
+  const double moved = has_anchor ? (1.0 + kMargin) * (query - anchor.place_).norm() : 0.0;
+  Index looks = 0, spared = 0;
   const auto look_at = [&](Index f) {
+    if (has_anchor && anchor.distance_[f] >= 0.0f) {
+      const double least = (1.0 - kMargin) * anchor.distance_[f] - moved;
+      if (least > 0.0 && least * least >= best.squared_distance) {
+        ++spared;
+        return;
+      }
+    }
+    ++looks;
     const Triangle t = mesh_.triangle(f);
     const TriangleFoot foot =
         foot_on_triangle(query, mesh_.position[t[0]], mesh_.position[t[1]], mesh_.position[t[2]]);
+    if (measures) anchor.distance_[f] = static_cast<float>(std::sqrt(foot.squared_distance));
     if (foot.squared_distance < best.squared_distance && accept(f))
       best = {f, foot.weight_b, foot.weight_c, foot.squared_distance};
   };
@@ -120,6 +166,8 @@ FaceTree::Hit FaceTree::nearest(const Vec3& query, double squared_limit, Index h
       stack[slot] = {lower, entry.level - 1, kWidth * entry.index + lane};
     }
   }
+  anchor.looks_ += looks;
+  anchor.measures_next_ = !measures && looks > spared && looks > Anchor::many(faces_);
   return best;
 }
 

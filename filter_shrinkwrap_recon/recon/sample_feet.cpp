@@ -10,7 +10,7 @@ namespace {
 
 constexpr Index kGrain = 1 << 11;
 constexpr Index kPollInterval = 8;  // a search that looks at all faces takes a millisecond
-constexpr double kSurplus = 3.0;  // x spacing: how much farther a compatible foot may be
+constexpr double kSurplus = 3.0;    // x spacing: how much farther a compatible foot may be
 
 struct DistanceSum {
   double sum = 0.0, largest = 0.0;
@@ -34,6 +34,7 @@ SampleFeet find_sample_feet(const SurfaceMesh& surface, const PointCloud& cloud,
   const auto find_block = [&](Index begin, Index end) {
     DistanceSum distances;
     Index hint = kNone;
+    FaceTree::Anchor anchor;
     for (Index i = begin; i < end; ++i) {
       if (i % kPollInterval == 0) progress.update(0.0);
       const Vec3& p = cloud.position[i];
@@ -41,12 +42,12 @@ SampleFeet find_sample_feet(const SurfaceMesh& surface, const PointCloud& cloud,
       const auto any = [](Index) { return true; };
       const auto is_compatible = [&](Index f) { return surface.area_vector(f).dot(normal) > 0.0; };
       const double unlimited = std::numeric_limits<double>::infinity();
-      FaceTree::Hit hit = tree.nearest(p, unlimited, hint, any);
+      FaceTree::Hit hit = tree.nearest(p, unlimited, hint, any, anchor);
       if (hit.face == kNone) hit.face = 0;  // every distance overflowed: any face will do
       hint = hit.face;
       if (!is_compatible(hit.face)) {
         const double limit = std::sqrt(hit.squared_distance) + kSurplus * cloud.spacing;
-        const FaceTree::Hit other = tree.nearest(p, limit * limit, kNone, is_compatible);
+        const FaceTree::Hit other = tree.nearest(p, limit * limit, kNone, is_compatible, anchor);
         if (other.face != kNone) hit = other;
       }
       feet.foot[i] = {hit.face, static_cast<float>(hit.weight_b), static_cast<float>(hit.weight_c)};
