@@ -36,7 +36,8 @@ struct RepairReport {
   int rounds = 0;
   std::int64_t tests = 0;  ///< of pairs of faces, after the first search
 
-  /// Of a further repair of the same mesh: what it left, and the work of both.
+  /// Of a further repair of the same mesh: what it left, and the work of both. Of a heap, `after`
+  /// then counts other pairs than `before`.
   void add(RepairReport further) {
     after = further.after;
     faces_after = further.faces_after;
