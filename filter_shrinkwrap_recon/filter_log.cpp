@@ -158,9 +158,8 @@ void warn_of_openings(const ReconstructionOptions& options, std::vector<std::str
   if (options.complete_matching.method == CompleteMatchingOptions::Method::snap_and_insert &&
       options.complete_matching.openings != CompleteMatchingOptions::Openings::close)
     warnings.push_back(
-        "\"As in the paper\" closes every opening, whatever is chosen for openings: only the "
-        "robust "
-        "method can leave them open.");
+        "\"As in the paper\" closes every opening, whatever is chosen for openings: only "
+        "the robust method can leave them open.");
 }
 
 void warn_of_size(const SurfaceMesh& surface, Index samples, std::vector<std::string>& warnings) {

@@ -114,21 +114,20 @@ Parameter exclude_outliers() {
 
 // Of the filters of the stages: so that their chain ends in what the whole method gives.
 Parameter smooth_for_noise() {
-  return boolean(kSmoothForNoise, "Smooth the surface for noise", false,
-                 "Robust method: if the points are noisy (more than about a twelfth of their "
-                 "spacing), smooth the "
-                 "surface for it, as the whole method does where it stops at the parametric "
-                 "surface, and where its log says so. Choose the same in the filters Initial Mesh, "
-                 "Parametric Surface and Complete Matching.");
+  return boolean(
+      kSmoothForNoise, "Smooth the surface for noise", false,
+      "Robust method: if the points are noisy (more than about a twelfth of their "
+      "spacing), smooth the surface for it, as the whole method does where it stops at "
+      "the parametric surface, and where its log says so. Choose the same in the filters "
+      "Initial Mesh, Parametric Surface and Complete Matching.");
 }
 
 Parameter backs_are_openings() {
-  return advanced(
-      boolean(kBacksAreOpenings, "Backs of sheets are openings", false,
-              "Robust method: take the back of a sheet, such as a patch of terrain or one view of "
-              "a depth camera, "
-              "for an opening even where it is near the points, as the whole method does where its "
-              "log says so."));
+  return advanced(boolean(
+      kBacksAreOpenings, "Backs of sheets are openings", false,
+      "Robust method: take the back of a sheet, such as a patch of terrain or one view of "
+      "a depth camera, for an opening even where it is near the points, as the whole method "
+      "does where its log says so."));
 }
 
 Parameter openings() {

@@ -451,9 +451,10 @@ FilterOutcome run_filter(Filter filter, const FilterRequest& request, const Filt
   const bool needs_faces = needs_mesh && filter != Filter::distance_to_samples;
   if (needs_faces && input.mesh.triangles.empty()) throw InvalidInput(no_mesh);
 
-  // A control mesh becomes about 16 times as large; other stages keep the size of theirs.
+  // A control mesh becomes about 16 times as large; other stages keep the size of theirs. The whole
+  // method looks for itself.
   const std::uint64_t growth = filter == Filter::parametric_surface ? 16 : 1;
-  if (filter != Filter::distance_to_samples)
+  if (filter != Filter::reconstruct && filter != Filter::distance_to_samples)
     require_memory_for(
         std::max<std::uint64_t>(input.points.size(), growth * input.mesh.position.size()),
         request.options.memory_limit);

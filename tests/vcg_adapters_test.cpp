@@ -40,8 +40,9 @@ struct DoubleTypes
 class DoubleVertex
     : public vcg::Vertex<DoubleTypes, vcg::vertex::InfoOcf, vcg::vertex::Coord3d,
                          vcg::vertex::BitFlags, vcg::vertex::RadiusfOcf, vcg::vertex::Mark> {};
-class DoubleFace : public vcg::Face<DoubleTypes, vcg::face::InfoOcf, vcg::face::VertexRef,
-                                    vcg::face::FFAdjOcf, vcg::face::BitFlags, vcg::face::Mark> {};
+class DoubleFace
+    : public vcg::Face<DoubleTypes, vcg::face::InfoOcf, vcg::face::VertexRef, vcg::face::FFAdjOcf,
+                       vcg::face::QualityfOcf, vcg::face::BitFlags, vcg::face::Mark> {};
 class DoubleMesh : public vcg::tri::TriMesh<vcg::vertex::vector_ocf<DoubleVertex>,
                                             vcg::face::vector_ocf<DoubleFace>> {};
 
@@ -133,6 +134,16 @@ TEST(VcgAdapters, ReadsLiveFacesOverLiveVertices) {
   EXPECT_EQ(triangles.position.size(), 4u);
   EXPECT_EQ(triangles.triangles.size(), 3u);
   EXPECT_TRUE(triangles.face_quality.empty());
+}
+
+TEST(VcgAdapters, ReadsTheFaceQualityIfThereIsOne) {
+  DoubleMesh mesh;
+  vcg::tri::Tetrahedron(mesh);
+  EXPECT_TRUE(triangles_from_vcg(mesh).face_quality.empty()) << "not enabled";
+  mesh.face.EnableQuality();
+  for (std::size_t f = 0; f < mesh.face.size(); ++f) mesh.face[f].Q() = 0.5f * f;
+  vcg::tri::Allocator<DoubleMesh>::DeleteFace(mesh, mesh.face[1]);
+  EXPECT_EQ(triangles_from_vcg(mesh).face_quality, (std::vector<float>{0.0f, 1.0f, 1.5f}));
 }
 
 TEST(VcgAdapters, SamplesKeepWhatTheyCarry) {

@@ -189,12 +189,6 @@ Index faults_of(const Reconstruction& result, Index samples) {
   return count;
 }
 
-// Whether a second attempt may help. A cloud most of whose faces are at fault shows no surface.
-bool is_worth_another(const Reconstruction& result, Index samples) {
-  const Index faults = faults_of(result, samples);
-  return faults > 0 && faults < static_cast<Index>(result.mesh.triangles.size()) / 2;
-}
-
 // A copy without the stages so far, which may hold meshes.
 Reconstruction without_stages(Reconstruction& result) {
   std::vector<StageRecord> stages;
@@ -202,15 +196,6 @@ Reconstruction without_stages(Reconstruction& result) {
   Reconstruction copy = result;
   result.stages.swap(stages);
   return copy;
-}
-
-// Whether check_promise would take a mesh whose samples are matched.
-bool is_sound(const ResultMesh& mesh, Progress& progress) {
-  MeshReportOptions options;
-  options.count_self_intersections = false;
-  const MeshReport report =
-      measure_mesh(mesh.position, mesh.triangles, mesh.position, options, progress);
-  return report.manifold() && (!report.closed() || report.outward());
 }
 
 // Takes the better of two attempts, and reports it as `which`. The table tells the time that both
@@ -234,19 +219,30 @@ void keep_better(Reconstruction& first, Reconstruction& second, const SecondAtte
   first.*which = attempt;
 }
 
-// Makes `second` by `make`, and keeps the better of the two. There is a mesh already: that the
-// second cannot be finished is no failure of the run.
+// If the first attempt has faults, makes `second` by `make`, and keeps the better of the two. There
+// is a mesh already: that the second cannot be finished is no failure of the run. A cloud most of
+// whose faces are at fault shows no surface, and is left at that.
 template <class Make>
 void try_again(Reconstruction& first, Reconstruction& second, Index samples,
                SecondAttempt Reconstruction::*which, Progress& progress, const Make& make) {
   SecondAttempt attempt;
-  attempt.is_made = true;
   attempt.faults_before = faults_of(first, samples);
+  const Index faces = static_cast<Index>(first.mesh.triangles.size());
+  if (attempt.faults_before == 0 || attempt.faults_before >= faces / 2) return;
+  attempt.is_made = true;
   try {
     make();
+    const Index faults = faults_of(second, samples);
+    if (faults < attempt.faults_before) {
+      PromiseOptions promise;  // that the samples are matched was seen when they were
+      promise.may_be_open = true;
+      promise.matches_samples = false;
+      promise.report.count_self_intersections = false;
+      check_promise(second.mesh, second.mesh.position, kNone, promise, progress);
+      attempt.is_taken = true;
+    }
+    attempt.faults = faults;
     attempt.is_finished = true;
-    attempt.faults = faults_of(second, samples);
-    attempt.is_taken = attempt.faults < attempt.faults_before && is_sound(second.mesh, progress);
   } catch (const ReconstructionFailed&) {
   } catch (const std::bad_alloc&) {
   }
@@ -272,7 +268,7 @@ void match_sheets(SurfaceMesh parametric, const PointCloud& cloud, const std::ve
     const ProgressShare share(progress, from, from + kFirst);
     match(parametric, cloud, points, options, result, log, progress);
   }
-  if (result.complete_matching.backs == 0 || !is_worth_another(result, cloud.size())) return;
+  if (result.complete_matching.backs == 0) return;
   options.complete_matching.backs_are_openings = true;
   const ProgressShare share(progress, kFirst * end, kFirst * end + 1.0 - kFirst);
   try_again(result, second, cloud.size(), &Reconstruction::backs, progress, [&] {
@@ -307,7 +303,6 @@ void match_noisy(PointCloud& cloud, const std::vector<Vec3>& points, const Noise
     match_sheets(make_surface(cloud, options, result, log, progress), cloud, points, options,
                  result, log, progress);
   }
-  if (!is_worth_another(result, cloud.size())) return;
   const ProgressShare share(progress, 0.5, 1.0);
   try_again(result, second, cloud.size(), &Reconstruction::smoothing, progress,
             [&] { match_smoothed(cloud, points, noise, options, second, progress); });
