@@ -145,7 +145,7 @@ FilterOutcome run_initial_mesh(const FilterRequest& request, const FilterInput& 
   const InitialMesh initial = make_initial_mesh(cloud, options.initial_mesh, progress);
   warn_of(initial.report, outcome.warnings);
   outcome.log.push_back(surface_verdict("initial mesh", initial.mesh));
-  outcome.mesh = to_result(initial.mesh, cloud.frame);
+  outcome.mesh = to_result(initial.mesh, cloud.frame, progress);
   outcome.layer_suffix = "initial mesh";
   return outcome;
 }
@@ -159,7 +159,7 @@ FilterOutcome run_control_mesh(const FilterRequest& request, const FilterInput& 
                         request.options.control_mesh, progress);
   outcome.log.push_back("target " + count_of(control.report.target_vertices, "vertex", "vertices"));
   outcome.log.push_back(surface_verdict("control mesh", control.mesh));
-  outcome.mesh = to_result(control.mesh, cloud.frame);
+  outcome.mesh = to_result(control.mesh, cloud.frame, progress);
   outcome.layer_suffix = "control mesh";
   return outcome;
 }
@@ -180,7 +180,7 @@ FilterOutcome run_parametric_surface(const FilterRequest& request, const FilterI
                         formatted("%.3f", surface.report.max_distance) + " spacings");
   warn_of_size(surface.mesh, cloud.size(), outcome.warnings);
   outcome.log.push_back(surface_verdict("parametric surface", surface.mesh));
-  outcome.mesh = to_result(surface.mesh, cloud.frame);
+  outcome.mesh = to_result(surface.mesh, cloud.frame, progress);
   outcome.layer_suffix = "parametric surface";
   return outcome;
 }
@@ -202,7 +202,7 @@ FilterOutcome run_complete_matching(const FilterRequest& request, const FilterIn
                              ? ", " + notches_filled(matching.report.notches_filled)
                              : ""));
   outcome.log.push_back(surface_verdict("complete matching", matching.mesh));
-  outcome.mesh = to_result(matching, cloud, input.points);
+  outcome.mesh = to_result(matching, cloud, input.points, progress);
   outcome.mesh.vertex_quality =
       distances_from_surface(outcome.mesh, surface, cloud.frame, progress);
   outcome.mesh.face_quality = spanning_lengths(outcome.mesh, matching.spanning_faces,
@@ -295,8 +295,8 @@ FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterIn
       meeting_faces = repair.faces_after;
   }
   if (openings.spanned + openings.left_open > 0) outcome.log.push_back(openings_line(openings));
-  outcome.mesh = to_result(matching, cloud, input.points);
-  drop_faces(outcome.mesh, dropped);
+  outcome.mesh = to_result(matching, cloud, input.points, progress);
+  drop_faces(outcome.mesh, dropped, progress);
   outcome.mesh.face_quality =
       spanning_lengths(outcome.mesh, indices_after_drop(matching.spanning_faces, dropped), spacing);
   outcome.layer_suffix = "shrink wrap";

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
+#include <utility>
 
 #include "delaunay_flips.h"
 #include "expect_mesh.h"
@@ -314,6 +316,35 @@ TEST(CreaseAngle, LeavesCreasesAlone) {
   options.crease_angle = kPi;
   optimise_edges(mesh, options, progress, {}, &outward);
   EXPECT_GT(faces_across_edges(), 20);
+}
+
+TEST(CreaseAngle, MakesNoCreaseOnRoughSurfaces) {
+  Random random(11);
+  SurfaceMesh mesh = testing::torus_mesh(120, 40);
+  for (Vec3& p : mesh.position) p += 0.02 * random.in_cube();
+  Progress progress;
+  EdgeOptimisationOptions options;
+  std::vector<Vec3> guide;
+  for (Index v = 0; v < mesh.vertex_slots(); ++v) guide.push_back(mesh.vertex_normal(v));
+  optimise_edges(mesh, options, progress, {}, &guide);
+  ASSERT_EQ(optimise_edges(mesh, options, progress, {}, &guide).flips, 0);
+  options.crease_angle = kPi / 4.0;
+  using Edge = std::pair<Index, Index>;
+  const auto is_creased = [&](Index h) {
+    const auto normal = [&](Index g) {
+      return mesh.area_vector(SurfaceMesh::face(g)).normalized();
+    };
+    return normal(h).dot(normal(mesh.twin(h))) < std::cos(options.crease_angle);
+  };
+  std::set<Edge> flat;
+  for (Index h = 0; h < mesh.halfedge_slots(); ++h)
+    if (!is_creased(h)) flat.emplace(mesh.origin(h), mesh.target(h));
+  EXPECT_LT(flat.size(), static_cast<std::size_t>(mesh.halfedge_slots()) * 3 / 4);
+  EXPECT_GT(optimise_edges(mesh, options, progress, {}, &guide).flips, 100);
+  Index new_creases = 0;  // of edges that were there before
+  for (Index h = 0; h < mesh.halfedge_slots(); ++h)
+    new_creases += is_creased(h) && flat.count(Edge(mesh.origin(h), mesh.target(h))) > 0;
+  EXPECT_EQ(new_creases, 0);
 }
 
 TEST(EdgeOptimisationOfATetrahedron, FlipsNothing) {

@@ -128,6 +128,12 @@ TEST(Reconstruct, ProgressGoesOnInASecondAttempt) {
   // Matching and edges come twice. The weights of stages are the same, so every begin is later.
   ASSERT_EQ(begins.size(), stages_of(options).size() + 2);
   for (std::size_t i = 1; i < begins.size(); ++i) EXPECT_GT(begins[i], begins[i - 1]) << i;
+  // Both attempts together take the room that one would have.
+  const std::size_t first = begins.size() - 5, second = begins.size() - 3;
+  EXPECT_NEAR(
+      begins[first + 1] - begins[first] + begins[second + 1] - begins[second],
+      progress.begin_of(Stage::edge_optimisation) - progress.begin_of(Stage::complete_matching),
+      1e-9);
 }
 
 TEST(Reconstruct, MostFacesAtFaultAreMadeOnce) {

@@ -238,7 +238,7 @@ class QuadricCriterion {
   std::vector<Quadric> quadric_;  // per vertex
 };
 
-// Delaunay, as far as no edge of a hinge bends by more than the crease angle, or than before.
+// Delaunay, as far as no side of a hinge bends by more than the crease angle, or than before.
 class DelaunayCriterion {
  public:
   DelaunayCriterion(SurfaceMesh& mesh, double crease_angle)
@@ -253,7 +253,6 @@ class DelaunayCriterion {
                old_second = normal_of(hinge.opposite_diagonal),
                new_first = unit_or_zero((c - d).cross(a - d)),
                new_second = unit_or_zero((b - d).cross(c - d));
-    if (is_creased(new_first.dot(new_second), old_first.dot(old_second))) return false;
     const auto creases = [&](Index side, const Vec3& after, const Vec3& before) {
       const Vec3 beyond = normal_of(mesh_.twin(side));
       return is_creased(after.dot(beyond), before.dot(beyond));

@@ -22,8 +22,8 @@ struct EdgeOptimisationOptions {
   double least_gain =
       1e-5;  ///< x mean hinge edge length: smaller gains do not flip (planes would cycle)
   /// Radians. Above 0: when no flip lowers the criterion, edges become Delaunay wherever that bends
-  /// none of the hinge by more than this, or by more than before. Triangles are better shaped then,
-  /// and those of a smooth surface are further from it: bending tells where it lies.
+  /// no side of the hinge by more than this, or by more than before. Triangles are better shaped
+  /// then, and those of a smooth surface are further from it: bending tells where it lies.
   double crease_angle = 0.0;
 };
 

@@ -112,9 +112,10 @@ DenoisingReport smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise,
 SurfaceMesh make_surface(const PointCloud& cloud, const ReconstructionOptions& options,
                          Reconstruction& result, StageLog& log, Progress& progress) {
   SurfaceMesh mesh;
-  const auto in_input_frame = [&] { return to_result(mesh, cloud.frame); };
+  const auto in_input_frame = [&] { return to_result(mesh, cloud.frame, progress); };
   if (options.initial_mesh.start == InitialMeshOptions::Start::bounding_box)
-    log.add_layer("bounding box", [&] { return to_result(box_around(cloud), cloud.frame); });
+    log.add_layer("bounding box",
+                  [&] { return to_result(box_around(cloud), cloud.frame, progress); });
 
   InitialMesh initial = make_initial_mesh(cloud, options.initial_mesh, progress);
   result.initial_mesh = initial.report;
@@ -146,15 +147,18 @@ void match(SurfaceMesh parametric, const PointCloud& cloud, const std::vector<Ve
     return distances_from_surface(stage, surface, cloud.frame, progress);
   };
   log.add(Stage::complete_matching, matching.mesh.vertex_count(), [&] {
-    ResultMesh stage = to_result(matching, cloud, points);
+    ResultMesh stage = to_result(matching, cloud, points, progress);
     stage.vertex_quality = distances(stage);
     stage.face_quality = spanning_lengths(stage, matching.spanning_faces, result.spacing);
     return stage;
   });
 
   result.openings = decide_openings(matching, cloud, options.complete_matching, progress);
+  progress.begin(Stage::edge_optimisation);
+  progress.set_part(0.0, 0.5);
   result.edge_optimisation =
       optimise_edges(matching.mesh, options.edge_optimisation, progress, matching.spanning_faces);
+  progress.set_part(0.5, 0.8);
   if (options.intersection_repair.enabled) {
     FinishReport finish = finish_matching(matching, cloud.size(), cloud.spacing,
                                           options.intersection_repair, result.openings, progress);
@@ -162,8 +166,9 @@ void match(SurfaceMesh parametric, const PointCloud& cloud, const std::vector<Ve
   }
   result.complete_matching.extra_vertices =
       extra_vertices_kept(matching.mesh, cloud.size(), matching.opening_faces);
-  result.mesh = to_result(matching, cloud, points);
-  drop_faces(result.mesh, matching.opening_faces);
+  progress.set_part(0.8, 1.0);
+  result.mesh = to_result(matching, cloud, points, progress);
+  drop_faces(result.mesh, matching.opening_faces, progress);
   std::vector<Index>& remaining = result.intersection_repair.remaining_faces;
   remaining = indices_after_drop(remaining, matching.opening_faces);
   result.mesh.face_quality = spanning_lengths(
@@ -340,7 +345,7 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   } else {
     SurfaceMesh surface = make_surface(cloud, options, result, log, progress);
     if (options.stop_at_parametric_surface)
-      result.mesh = to_result(surface, cloud.frame);
+      result.mesh = to_result(surface, cloud.frame, progress);
     else
       match_sheets(std::move(surface), cloud, points, options, result, log, progress);
   }

@@ -12,40 +12,39 @@ constexpr Index kGrain = 1 << 14;
 
 }  // namespace
 
-ResultMesh to_result(const SurfaceMesh& mesh, const Frame& frame) {
+ResultMesh to_result(const SurfaceMesh& mesh, const Frame& frame, Progress& progress) {
   ResultMesh result;
   result.position.resize(mesh.position.size());
   result.input_index.assign(mesh.position.size(), kNone);
-  Progress silent;
-  parallel_for_each(mesh.vertex_slots(), kGrain, silent,
+  parallel_for_each(mesh.vertex_slots(), kGrain, progress,
                     [&](Index v) { result.position[v] = frame.to_input(mesh.position[v]); });
   result.triangles = mesh.triangles();
   return result;
 }
 
 ResultMesh to_result(const CompleteMatching& matching, const PointCloud& cloud,
-                     const std::vector<Vec3>& points) {
+                     const std::vector<Vec3>& points, Progress& progress) {
   const SurfaceMesh& mesh = matching.mesh;
   const Index samples = cloud.size();
-  Progress silent;
 
   // The caller's order: rank of each sample by its input index.
   std::vector<char> is_sample(points.size(), 0);
-  parallel_for_each(samples, kGrain, silent, [&](Index i) { is_sample[cloud.input_index[i]] = 1; });
+  parallel_for_each(samples, kGrain, progress,
+                    [&](Index i) { is_sample[cloud.input_index[i]] = 1; });
   std::vector<Index> rank;  // of each point of the input
   parallel_number(
-      static_cast<Index>(points.size()), kGrain, silent, [&](Index i) { return is_sample[i] != 0; },
-      rank);
+      static_cast<Index>(points.size()), kGrain, progress,
+      [&](Index i) { return is_sample[i] != 0; }, rank);
   std::vector<Index> extra;  // rank of each vertex that is none
   parallel_number(
-      mesh.vertex_slots(), kGrain, silent,
+      mesh.vertex_slots(), kGrain, progress,
       [&](Index v) { return matching.sample_of_vertex[v] == SampleId::none; }, extra);
 
   ResultMesh result;
   result.position.resize(mesh.position.size());
   result.input_index.assign(mesh.position.size(), kNone);
   std::vector<Index> output(mesh.position.size());
-  parallel_for_each(mesh.vertex_slots(), kGrain, silent, [&](Index v) {
+  parallel_for_each(mesh.vertex_slots(), kGrain, progress, [&](Index v) {
     const SampleId sample = matching.sample_of_vertex[v];
     if (sample == SampleId::none) {
       output[v] = samples + extra[v];
@@ -58,13 +57,13 @@ ResultMesh to_result(const CompleteMatching& matching, const PointCloud& cloud,
     }
   });
   result.triangles = mesh.triangles();
-  parallel_for_each(static_cast<Index>(result.triangles.size()), kGrain, silent, [&](Index f) {
+  parallel_for_each(static_cast<Index>(result.triangles.size()), kGrain, progress, [&](Index f) {
     for (Index& v : result.triangles[f]) v = output[v];
   });
   return result;
 }
 
-void drop_faces(ResultMesh& mesh, const std::vector<Index>& faces) {
+void drop_faces(ResultMesh& mesh, const std::vector<Index>& faces, Progress& progress) {
   std::size_t kept = 0, dropped = 0;
   for (std::size_t f = 0; f < mesh.triangles.size() && !faces.empty(); ++f) {
     if (dropped < faces.size() && static_cast<Index>(f) == faces[dropped]) {
@@ -75,16 +74,15 @@ void drop_faces(ResultMesh& mesh, const std::vector<Index>& faces) {
   }
   if (!faces.empty()) mesh.triangles.resize(kept);
 
-  Progress silent;
   const Index face_count = static_cast<Index>(mesh.triangles.size());
   std::vector<std::atomic<bool>> used(mesh.position.size());
-  parallel_for_each(face_count, kGrain, silent, [&](Index f) {
+  parallel_for_each(face_count, kGrain, progress, [&](Index f) {
     for (const Index v : mesh.triangles[f]) used[v].store(true, std::memory_order_relaxed);
   });
   std::vector<Index> new_index;
   const Index slots = static_cast<Index>(mesh.position.size());
   const Index vertices = parallel_number(
-      slots, kGrain, silent,
+      slots, kGrain, progress,
       [&](Index v) {
         return used[v].load(std::memory_order_relaxed) || mesh.input_index[v] != kNone;
       },
@@ -97,7 +95,7 @@ void drop_faces(ResultMesh& mesh, const std::vector<Index>& faces) {
   }
   mesh.position.resize(vertices);
   mesh.input_index.resize(vertices);
-  parallel_for_each(face_count, kGrain, silent, [&](Index f) {
+  parallel_for_each(face_count, kGrain, progress, [&](Index f) {
     for (Index& v : mesh.triangles[f]) v = new_index[v];
   });
 }

@@ -23,16 +23,16 @@ struct ResultMesh {
 
 /// An intermediate mesh (initial, control, parametric) in the frame of the input; no vertex is a
 /// sample.
-ResultMesh to_result(const SurfaceMesh& mesh, const Frame& frame);
+ResultMesh to_result(const SurfaceMesh& mesh, const Frame& frame, Progress& progress);
 
 /// A complete matching: vertex i is the i-th distinct sample in the caller's order, extra vertices
 /// follow. Faces keep their order. `points` are those that the cloud was prepared from.
 ResultMesh to_result(const CompleteMatching& matching, const PointCloud& cloud,
-                     const std::vector<Vec3>& points);
+                     const std::vector<Vec3>& points, Progress& progress);
 
 /// Drops faces (indices ascending) and the extra vertices that are left without a face: a mesh with
 /// openings.
-void drop_faces(ResultMesh& mesh, const std::vector<Index>& faces);
+void drop_faces(ResultMesh& mesh, const std::vector<Index>& faces, Progress& progress);
 /// What `drop_faces(mesh, dropped)` made of the indices of faces (both ascending); those dropped
 /// are left out.
 std::vector<Index> indices_after_drop(const std::vector<Index>& faces,
