@@ -266,12 +266,13 @@ Parameter attraction() {
 
 Parameter crease_angle() {
   return advanced(number(
-      Kind::real, kCreaseAngle, "Well-shaped below a bend of (degrees)", 0.0, 0.0, 180.0,
-      "Where the faces of the result bend less than this, edges are chosen for the shape of their "
-      "triangles (Delaunay), elsewhere so that the mesh bends least. 0: least bending everywhere, "
-      "which is nearest to a smooth surface. Raised (30 to 45): larger smallest angles, sharp "
-      "edges stay; about the faces that Ball Pivoting would choose. Can be applied to a finished "
-      "mesh. Unit: degrees; range 0 to 180."));
+      Kind::real, kCreaseAngle, "Crease angle (degrees; -1: automatic)", -1.0, -1.0, 180.0,
+      "Where faces bend less than this, edges are chosen for the shape of their triangles "
+      "(Delaunay) "
+      "if these are well shaped then, elsewhere so that the mesh bends least. 0: least bending "
+      "everywhere, which is nearest to smooth surfaces. Raised: larger smallest angles, fewer "
+      "edges kept sharp. -1: what the method has (Robust 40, As in the paper 0). Can be applied to "
+      "a finished mesh. Unit: degrees; range 0 to 180."));
 }
 
 void append(std::vector<Parameter>& list, const std::vector<Parameter>& more) {
@@ -502,9 +503,9 @@ FilterRequest request_of(Filter filter, const ParameterValues& values) {
   reader.read(kControlVertices, options.control_mesh.target_vertices);
   reader.read(kFitIterations, options.parametric_surface.iterations);
   if (reader.is_on(kAttraction)) reader.read(kAttraction, options.parametric_surface.attraction);
-  double degrees = 0.0;
+  double degrees = -1.0;
   reader.read(kCreaseAngle, degrees);
-  options.edge_optimisation.crease_angle = degrees * kPi / 180.0;
+  if (degrees >= 0.0) options.edge_optimisation.crease_angle = degrees * kPi / 180.0;
   reader.read(kRepairIntersections, options.intersection_repair.enabled);
   reader.read(kCountIntersections, options.report.count_self_intersections);
   int openings = static_cast<int>(options.complete_matching.openings);

@@ -204,8 +204,10 @@ TEST(BendingCriterion, IsDoneAfterOneCall) {
   for (Vec3& p : mesh.position) p += 0.02 * random.in_cube();
   const std::vector<Vec3> guide = mesh.vertex_normals();
   Progress progress;
-  optimise_edges(mesh, {}, progress, {}, &guide);
-  EXPECT_EQ(optimise_edges(mesh, {}, progress, {}, &guide).flips, 0);
+  EdgeOptimisationOptions options;
+  options.crease_angle = 0.0;
+  optimise_edges(mesh, options, progress, {}, &guide);
+  EXPECT_EQ(optimise_edges(mesh, options, progress, {}, &guide).flips, 0);
 }
 
 // Eight collinear vertices on the ridge of a roof, joined across each other on both sides of the
@@ -269,6 +271,13 @@ void flip_some(SurfaceMesh& mesh, Random& random) {
   }
 }
 
+Index delaunay_flips_wanted(const SurfaceMesh& mesh) {
+  Index count = 0;
+  for (Index h = 0; h < mesh.halfedge_slots(); ++h)
+    count += wants_delaunay_flip(mesh, h) && mesh.is_flip_legal(h);
+  return count;
+}
+
 TEST(CreaseAngle, MakesSmoothSurfacesDelaunay) {
   Random random(9);
   SurfaceMesh bent = testing::torus_mesh(120, 40);
@@ -277,17 +286,13 @@ TEST(CreaseAngle, MakesSmoothSurfacesDelaunay) {
   SurfaceMesh shaped = bent;
   Progress progress;
   EdgeOptimisationOptions options;
+  options.crease_angle = 0.0;
   optimise_edges(bent, options, progress);
   options.crease_angle = kPi;
+  options.least_angle = 0.0;
   optimise_edges(shaped, options, progress);
-  const auto wanted = [](const SurfaceMesh& mesh) {
-    Index count = 0;
-    for (Index h = 0; h < mesh.halfedge_slots(); ++h)
-      count += wants_delaunay_flip(mesh, h) && mesh.is_flip_legal(h);
-    return count;
-  };
-  EXPECT_GT(wanted(bent), 100);
-  EXPECT_EQ(wanted(shaped), 0);
+  EXPECT_GT(delaunay_flips_wanted(bent), 100);
+  EXPECT_EQ(delaunay_flips_wanted(shaped), 0);
   EXPECT_GT(median_smallest_angle(shaped), median_smallest_angle(bent));
   expect_closed_manifold(shaped, 1, 1);
 }
@@ -311,6 +316,7 @@ TEST(CreaseAngle, LeavesCreasesAlone) {
   Progress progress;
   EdgeOptimisationOptions options;
   options.crease_angle = kPi / 6.0;
+  options.least_angle = 0.0;
   EXPECT_GT(optimise_edges(mesh, options, progress, {}, &outward).flips, 0);
   EXPECT_EQ(faces_across_edges(), 0);
   options.crease_angle = kPi;
@@ -324,10 +330,10 @@ TEST(CreaseAngle, MakesNoCreaseOnRoughSurfaces) {
   for (Vec3& p : mesh.position) p += 0.02 * random.in_cube();
   Progress progress;
   EdgeOptimisationOptions options;
-  std::vector<Vec3> guide;
-  for (Index v = 0; v < mesh.vertex_slots(); ++v) guide.push_back(mesh.vertex_normal(v));
+  const std::vector<Vec3> guide = mesh.vertex_normals();
+  options.crease_angle = 0.0;
   optimise_edges(mesh, options, progress, {}, &guide);
-  ASSERT_EQ(optimise_edges(mesh, options, progress, {}, &guide).flips, 0);
+  options.least_angle = 0.0;
   options.crease_angle = kPi / 4.0;
   using Edge = std::pair<Index, Index>;
   const auto is_creased = [&](Index h) {
@@ -345,6 +351,37 @@ TEST(CreaseAngle, MakesNoCreaseOnRoughSurfaces) {
   for (Index h = 0; h < mesh.halfedge_slots(); ++h)
     new_creases += is_creased(h) && flat.count(Edge(mesh.origin(h), mesh.target(h))) > 0;
   EXPECT_EQ(new_creases, 0);
+}
+
+// Where the triangles of the Delaunay triangulation are thin too, the bending has the last word.
+TEST(CreaseAngle, LeavesThinTrianglesToTheBending) {
+  SurfaceMesh bent = testing::torus_mesh(30, 90);  // long along the ring, short around it
+  Random random(12);
+  flip_some(bent, random);
+  SurfaceMesh by_default = bent, without_least = bent;
+  Progress progress;
+  EdgeOptimisationOptions options;
+  optimise_edges(by_default, options, progress);
+  options.least_angle = 0.0;
+  optimise_edges(without_least, options, progress);
+  options.crease_angle = 0.0;
+  optimise_edges(bent, options, progress);
+  EXPECT_EQ(by_default.triangles(), bent.triangles());
+  EXPECT_NE(without_least.triangles(), bent.triangles());
+}
+
+TEST(CreaseAngle, MakesEvenTrianglesDelaunayByDefault) {
+  SurfaceMesh mesh = testing::icosphere(4);
+  Random random(13);
+  for (Vec3& p : mesh.position) p *= 1.0 + 0.002 * random.uniform(-1.0, 1.0);
+  SurfaceMesh bent = mesh;
+  EdgeOptimisationOptions options;
+  Progress progress;
+  optimise_edges(mesh, options, progress);
+  EXPECT_EQ(delaunay_flips_wanted(mesh), 0);
+  options.crease_angle = 0.0;
+  optimise_edges(bent, options, progress);
+  EXPECT_GT(delaunay_flips_wanted(bent), 100);
 }
 
 TEST(EdgeOptimisationOfATetrahedron, FlipsNothing) {

@@ -136,10 +136,13 @@ TEST(FilterParameters, ValuesReachTheirOption) {
   of_control["ControlVertices"] = 500;
   EXPECT_EQ(request_of(Filter::control_mesh, of_control).options.control_mesh.target_vertices, 500);
   ParameterValues of_edges = default_values(Filter::edge_optimisation);
+  const auto crease_angle = [&] {
+    return request_of(Filter::edge_optimisation, of_edges).options.edge_optimisation.crease_angle;
+  };
   of_edges["CreaseAngle"] = 45;
-  EXPECT_DOUBLE_EQ(
-      request_of(Filter::edge_optimisation, of_edges).options.edge_optimisation.crease_angle,
-      kPi / 4.0);
+  EXPECT_DOUBLE_EQ(crease_angle(), kPi / 4.0);
+  of_edges["CreaseAngle"] = 0;
+  EXPECT_EQ(crease_angle(), 0.0);
 }
 
 // The host of 2020.09 folds nothing away: a row is some 31 pixels.

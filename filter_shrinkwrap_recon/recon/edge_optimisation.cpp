@@ -238,17 +238,23 @@ class QuadricCriterion {
   std::vector<Quadric> quadric_;  // per vertex
 };
 
-// Delaunay, as far as no side of a hinge bends by more than the crease angle, or than before.
+// Delaunay, as far as no side of a hinge bends by more than the crease angle, or than before, and
+// no angle becomes smaller than the least.
 class DelaunayCriterion {
  public:
-  DelaunayCriterion(SurfaceMesh& mesh, double crease_angle)
-      : mesh_(mesh), crease_cosine_(std::cos(crease_angle)) {}
+  DelaunayCriterion(SurfaceMesh& mesh, const EdgeOptimisationOptions& options)
+      : mesh_(mesh),
+        crease_cosine_(std::cos(options.crease_angle)),
+        least_cosine_(std::cos(options.least_angle)) {}
 
   bool try_flip(const Hinge& hinge) {
     if (!wants_delaunay_flip(mesh_, hinge.diagonal)) return false;
     const auto [bc, ca, ad, db] = hinge.side;
     const Vec3 &a = mesh_.position[hinge.corner[0]], &b = mesh_.position[hinge.corner[1]],
                &c = mesh_.position[hinge.corner[2]], &d = mesh_.position[hinge.corner[3]];
+    if (std::max(cosine_of_smallest_angle(d, c, a), cosine_of_smallest_angle(c, d, b)) >
+        least_cosine_)
+      return false;
     const Vec3 old_first = normal_of(hinge.diagonal),
                old_second = normal_of(hinge.opposite_diagonal),
                new_first = unit_or_zero((c - d).cross(a - d)),
@@ -272,7 +278,7 @@ class DelaunayCriterion {
   }
 
   SurfaceMesh& mesh_;
-  double crease_cosine_;
+  double crease_cosine_, least_cosine_;
 };
 
 // Looks at every edge, and again at those around each flip, until no flip helps.
@@ -361,7 +367,7 @@ EdgeOptimisationReport optimise_edges(SurfaceMesh& mesh, const EdgeOptimisationO
     report.flips = flip_all(mesh, criterion, fixed_faces, progress);
   }
   if (is_delaunay) {
-    DelaunayCriterion criterion(mesh, options.crease_angle);
+    DelaunayCriterion criterion(mesh, options);
     progress.set_range(flipped, 1.0);
     report.flips += flip_all(mesh, criterion, fixed_faces, progress);
   }

@@ -21,10 +21,14 @@ struct EdgeOptimisationOptions {
   double shape_weight = 0.03;
   double least_gain =
       1e-5;  ///< x mean hinge edge length: smaller gains do not flip (planes would cycle)
-  /// Radians. Above 0: when no flip lowers the criterion, edges become Delaunay wherever that bends
-  /// no side of the hinge by more than this, or by more than before. Triangles are better shaped
-  /// then, and those of a smooth surface are further from it: bending tells where it lies.
-  double crease_angle = 0.0;
+  // What follows the least bending. Evenly spread samples show a surface as well by their Delaunay
+  // triangulation, whose triangles are better shaped; others lie along its bends, and show it less
+  // so. Both in radians.
+  /// Above 0: when no flip lowers the criterion, edges become Delaunay wherever that bends no side
+  /// of the hinge by more than this, or by more than before. 0: the criterion has the last word.
+  double crease_angle = 40.0 * kPi / 180.0;
+  /// That is not done where one of the two faces would have a smaller angle than this.
+  double least_angle = 25.0 * kPi / 180.0;
 };
 
 struct EdgeOptimisationReport {
@@ -32,7 +36,8 @@ struct EdgeOptimisationReport {
 };
 
 /// Flips edges while that lowers the criterion and turns no face away from the surface, then, if
-/// there is a crease angle, towards the Delaunay triangulation between creases. Vertices do not
+/// there is a crease angle, towards the Delaunay triangulation between creases, where that has
+/// well-shaped faces. Vertices do not
 /// move. The surface is known by `guide_normals`, one per vertex; without, by the area-weighted
 /// vertex normals of the mesh as given. Edges of `fixed_faces` stay.
 /// Pre: closed mesh without removed slots, vertices in any order (best along a Morton curve).

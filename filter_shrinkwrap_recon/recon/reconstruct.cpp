@@ -379,6 +379,7 @@ ReconstructionOptions as_in_the_paper() {
   options.parametric_surface.fine_enough = 0.0;
   options.complete_matching.method = CompleteMatchingOptions::Method::snap_and_insert;
   options.edge_optimisation.criterion = EdgeOptimisationOptions::Criterion::quadric;
+  options.edge_optimisation.crease_angle = 0.0;
   return options;
 }
 

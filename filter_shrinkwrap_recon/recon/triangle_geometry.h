@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -23,6 +24,16 @@ inline double relative_height(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double longest =
       std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
   return longest > 0.0 ? (b - a).cross(c - a).norm() / longest : 0.0;
+}
+
+/// 1 for a triangle with an edge of no length.
+inline double cosine_of_smallest_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
+  // It lies opposite to the shortest edge.
+  std::array<double, 3> squared = {(b - a).squaredNorm(), (c - b).squaredNorm(),
+                                   (a - c).squaredNorm()};
+  std::sort(squared.begin(), squared.end());
+  if (!(squared[0] > 0.0)) return 1.0;
+  return (squared[1] + squared[2] - squared[0]) / (2.0 * std::sqrt(squared[1] * squared[2]));
 }
 
 /// Arc cosine of x, clamped to [0, 1], by a polynomial: error below 2e-8 (Abramowitz and Stegun
