@@ -99,6 +99,10 @@ void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings
     warnings.push_back(formatted("%.2f", 100.0 * (1.0 - report.samples_with_solid_behind)) +
                        " % of the samples have no solid behind them: walls may be thinner than the "
                        "cloud resolves.");
+  if (report.voxels_are_larger)
+    warnings.push_back("Voxels of " + formatted("%.3g", report.voxel_size) +
+                       " median spacings were taken, larger than asked for: most samples are far "
+                       "apart beside the densest, whose shape is lost.");
   if (report.handles_refuted > 0)
     warnings.push_back(count_of(report.handles_refuted, "handle") +
                        " of the first solid left out: one of voxels of " +

@@ -266,13 +266,12 @@ Parameter attraction() {
 
 Parameter crease_angle() {
   return advanced(number(
-      Kind::real, kCreaseAngle, "Crease angle (degrees; -1: automatic)", -1.0, -1.0, 180.0,
-      "Where faces bend less than this, edges are chosen for the shape of their triangles "
-      "(Delaunay) "
-      "if these are well shaped then, elsewhere so that the mesh bends least. 0: least bending "
-      "everywhere, which is nearest to smooth surfaces. Raised: larger smallest angles, fewer "
-      "edges kept sharp. -1: what the method has (Robust 40, As in the paper 0). Can be applied to "
-      "a finished mesh. Unit: degrees; range 0 to 180."));
+      Kind::real, kCreaseAngle, "Crease angle (degrees; below 0: automatic)", -1.0, -1.0, 180.0,
+      "Edges at which faces bend less than this are chosen for the shape of their triangles "
+      "(Delaunay, if no angle is below 25 degrees then), after the method's own choice, which "
+      "follows the bends of the surface. 0: that choice stays. Raised: better shaped triangles, "
+      "fewer edges kept sharp. Below 0: what the method has (Robust 40, As in the paper 0). Can be "
+      "applied to a finished mesh. Unit: degrees; range 0 to 180."));
 }
 
 void append(std::vector<Parameter>& list, const std::vector<Parameter>& more) {

@@ -274,10 +274,13 @@ FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterIn
   matching.spanning_faces = spanning_faces(input.mesh, spacing);
   OpeningsReport openings = decide_openings(matching, cloud, options, progress);
   const std::vector<Index>& dropped = matching.opening_faces;
+  progress.begin(Stage::edge_optimisation);
+  progress.set_part(0.0, 0.5);
   const EdgeOptimisationReport report = optimise_edges(
       matching.mesh, request.options.edge_optimisation, progress, matching.spanning_faces);
-  outcome.log.push_back(count_of(report.flips, "edge") + " re-chosen");
+  outcome.log.push_back(count_of(report.flips, "edge flip"));
   Index meeting_faces = kNone;
+  progress.set_part(0.5, 0.8);
   if (request.options.intersection_repair.enabled) {
     const FinishReport finish =
         finish_matching(matching, cloud.size(), cloud.spacing, request.options.intersection_repair,
@@ -290,11 +293,13 @@ FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterIn
     if (repair.faces_before > 0) outcome.log.push_back(repair_line(repair));
     outcome.marked_faces = indices_after_drop(repair.remaining_faces, dropped);
     warn_of_intersections(static_cast<Index>(outcome.marked_faces.size()), outcome.warnings);
-    // As it is, if no face is dropped, and no vertex rounded that is no sample.
-    if (dropped.empty() && matching.mesh.vertex_count() == cloud.size())
+    // As it is, if no face is dropped, and no vertex rounded.
+    if (dropped.empty() && matching.mesh.vertex_count() == cloud.size() &&
+        is_exact_in_unit_frame(cloud, input.points, progress))
       meeting_faces = repair.faces_after;
   }
   if (openings.spanned + openings.left_open > 0) outcome.log.push_back(openings_line(openings));
+  progress.set_part(0.8, 1.0);
   outcome.mesh = to_result(matching, cloud, input.points, progress);
   drop_faces(outcome.mesh, dropped, progress);
   outcome.mesh.face_quality =

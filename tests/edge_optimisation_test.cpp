@@ -104,7 +104,10 @@ class EdgeOptimisation : public ::testing::TestWithParam<Criterion> {
  protected:
   EdgeOptimisationOptions options_;
   Progress progress_;
-  void SetUp() override { options_.criterion = GetParam(); }
+  void SetUp() override {
+    options_.criterion = GetParam();
+    options_.crease_angle = 0.0;  // so that flips are those of the criterion
+  }
 };
 
 TEST_P(EdgeOptimisation, KeepsVerticesAndTopology) {
@@ -351,6 +354,68 @@ TEST(CreaseAngle, MakesNoCreaseOnRoughSurfaces) {
   for (Index h = 0; h < mesh.halfedge_slots(); ++h)
     new_creases += is_creased(h) && flat.count(Edge(mesh.origin(h), mesh.target(h))) > 0;
   EXPECT_EQ(new_creases, 0);
+}
+
+// A prism of eight sides, along whose edges vertices are twice as far apart as within the sides:
+// Delaunay flips would cut the edges, and bend the sides of their hinges by less than 40 degrees.
+TEST(CreaseAngle, KeepsCrestsAboveIt) {
+  constexpr int kSides = 8, kAcross = 8, kAlong = 40;
+  std::vector<Vec3> positions;
+  std::vector<std::vector<Index>> column;
+  for (int side = 0; side < kSides; ++side) {
+    const double turn = 2.0 * kPi / kSides;
+    const Vec3 from(std::cos(turn * side), std::sin(turn * side), 0.0),
+        to(std::cos(turn * (side + 1)), std::sin(turn * (side + 1)), 0.0);
+    for (int i = 0; i < kAcross; ++i) {
+      column.emplace_back();
+      for (int k = 0; k <= kAlong; k += i == 0 ? 2 : 1) {
+        column.back().push_back(static_cast<Index>(positions.size()));
+        positions.push_back(from + (to - from) * i / kAcross + Vec3(0.0, 0.0, 0.1 * k));
+      }
+    }
+  }
+  std::vector<Triangle> triangles;
+  for (std::size_t c = 0; c < column.size(); ++c) {
+    const std::vector<Index>&left = column[c], &right = column[(c + 1) % column.size()];
+    std::size_t i = 0, j = 0;
+    while (i + 1 < left.size() || j + 1 < right.size())
+      if (j + 1 == right.size() || (i + 1 < left.size() && i * right.size() <= j * left.size())) {
+        triangles.push_back({left[i], right[j], left[i + 1]});
+        ++i;
+      } else {
+        triangles.push_back({left[i], right[j], right[j + 1]});
+        ++j;
+      }
+  }
+  for (const bool is_top : {false, true}) {
+    const Index apex = static_cast<Index>(positions.size());
+    positions.push_back({0.0, 0.0, is_top ? 0.1 * kAlong : 0.0});
+    for (std::size_t c = 0; c < column.size(); ++c) {
+      const std::vector<Index>&left = column[c], &right = column[(c + 1) % column.size()];
+      if (is_top)
+        triangles.push_back({left.back(), right.back(), apex});
+      else
+        triangles.push_back({right.front(), left.front(), apex});
+    }
+  }
+  SurfaceMesh mesh = SurfaceMesh::from_triangles(positions, triangles);
+  const auto crest_edges = [&] {
+    Index count = 0;
+    for (Index h = 0; h < mesh.halfedge_slots(); ++h) {
+      const Vec3 &p = mesh.position[mesh.origin(h)], &q = mesh.position[mesh.target(h)];
+      const double z = q.z() - p.z();
+      count += (q - p).head<2>().isZero(1e-9) && p.head<2>().norm() > 1.0 - 1e-9 && z > 0.15;
+    }
+    return count;
+  };
+  ASSERT_EQ(crest_edges(), kSides * kAlong / 2);
+  Progress progress;
+  EdgeOptimisationOptions options;
+  optimise_edges(mesh, options, progress);
+  EXPECT_EQ(crest_edges(), kSides * kAlong / 2);
+  options.crease_angle = 50.0 * kPi / 180.0;
+  optimise_edges(mesh, options, progress);
+  EXPECT_LT(crest_edges(), kSides * kAlong / 4);
 }
 
 // Where the triangles of the Delaunay triangulation are thin too, the bending has the last word.

@@ -108,6 +108,11 @@ TEST(FilterParameters, PaperMethodKeepsThePapersConstants) {
   EXPECT_EQ(options.parametric_surface.attraction, paper.parametric_surface.attraction);
   EXPECT_EQ(options.complete_matching.method, paper.complete_matching.method);
   EXPECT_EQ(options.edge_optimisation.criterion, paper.edge_optimisation.criterion);
+  EXPECT_EQ(paper.edge_optimisation.crease_angle, 0.0);
+  ParameterValues of_edges = default_values(Filter::edge_optimisation);
+  of_edges["Method"] = 1;
+  EXPECT_EQ(request_of(Filter::edge_optimisation, of_edges).options.edge_optimisation.crease_angle,
+            0.0);
 }
 
 TEST(FilterParameters, ValuesReachTheirOption) {

@@ -151,5 +151,24 @@ TEST(InitialMesh, IsTheSameForAnyNumberOfThreads) {
   expect_same_mesh(with_threads(1), with_threads(2));
 }
 
+// A cone whose samples are the denser the nearer they are to its tip, by eight powers of ten.
+TEST(VoxelSolid, BricksAreNoMoreThanAFewTimesTheSamples) {
+  Random random(20);
+  std::vector<Vec3> points;
+  for (int i = 0; i < 5000; ++i) {
+    const double turn = random.uniform(0.0, 2.0 * kPi), r = std::pow(10.0, -8.0 * random.uniform());
+    points.push_back(r * Vec3(std::cos(turn), std::sin(turn), 2.0));
+  }
+  const PointCloud samples = prepare(points);
+  Progress silent;
+  const VoxelSolid solid = make_voxel_solid(samples, WindingNumber(samples), {}, silent);
+  EXPECT_LT(solid.image.bricks.size(), 30 * samples.size());
+  const InitialMesh mesh = initial_mesh_of(samples);
+  EXPECT_TRUE(mesh.report.voxels_are_larger);
+  EXPECT_GT(mesh.report.voxel_size, 2.0 * InitialMeshOptions().voxel_size);
+  const InitialMesh usual = initial_mesh_of(prepare(sample_shape(ShapeKind::sphere, 500, 3)));
+  EXPECT_FALSE(usual.report.voxels_are_larger);
+}
+
 }  // namespace
 }  // namespace shrinkwrap::testing

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "expect_mesh.h"
+#include "self_intersection.h"
 #include "shapes.h"
 
 namespace shrinkwrap::testing {
@@ -270,6 +271,20 @@ TEST(Reconstruct, CanBeCancelledInEveryStage) {
                       stages_of(ReconstructionOptions()));
     EXPECT_THROW(reconstruct(points, {}, progress), Cancelled) << name;
   }
+}
+
+// Beside coordinates of 1e300 those of 1e-310 vanish in the unit frame, where the repair counts.
+TEST(Reconstruct, ReportsTheIntersectionsOfTheMeshAsItIs) {
+  const std::vector<Vec3> shape = sample_shape(ShapeKind::sphere, 300, 15);
+  std::vector<Vec3> points;
+  for (const double scale : {1e300, 1e-310})
+    for (const Vec3& p : shape) points.push_back(scale * p);
+  const Reconstruction result = reconstruct_silently(points);
+  Progress silent;
+  const std::vector<Index> meeting =
+      self_intersecting_faces(result.mesh.position, result.mesh.triangles, silent);
+  EXPECT_FALSE(meeting.empty());
+  EXPECT_EQ(result.report.self_intersecting_faces, static_cast<Index>(meeting.size()));
 }
 
 TEST(Reconstruct, RefusesWhatDoesNotFitInMemory) {

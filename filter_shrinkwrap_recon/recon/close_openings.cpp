@@ -37,13 +37,13 @@ class ChangeMap {
   std::uint32_t now() const { return now_; }
   void mark(const Box& box) {
     ++now_;
-    for_each_cell(box, [&](std::uint32_t& time) {
-      time = now_;
+    for_each_cell(box, [&](int place) {
+      changed_[place] = now_;
       return false;
     });
   }
-  bool has_changed(const Box& box, std::uint32_t since) {
-    return for_each_cell(box, [&](std::uint32_t time) { return time > since; });
+  bool has_changed(const Box& box, std::uint32_t since) const {
+    return for_each_cell(box, [&](int place) { return changed_[place] > since; });
   }
 
  private:
@@ -58,7 +58,7 @@ class ChangeMap {
   }
   // Until `fn` returns true; returns whether it did.
   template <class Fn>
-  bool for_each_cell(const Box& box, const Fn& fn) {
+  bool for_each_cell(const Box& box, const Fn& fn) const {
     std::array<int, 3> first, last;
     for (int axis = 0; axis < 3; ++axis) {
       first[axis] = cell(box[axis], axis);
@@ -67,7 +67,7 @@ class ChangeMap {
     for (int x = first[0]; x <= last[0]; ++x)
       for (int y = first[1]; y <= last[1]; ++y)
         for (int z = first[2]; z <= last[2]; ++z)
-          if (fn(changed_[(x * kCells + y) * kCells + z])) return true;
+          if (fn((x * kCells + y) * kCells + z)) return true;
     return false;
   }
 
@@ -414,12 +414,11 @@ class OpeningCloser {
     const std::vector<char>& spans = closing_.spans;
     if (!spans[first] || !spans[second] || !mesh_.is_flip_legal(h) || flip_cuts(h)) return false;
     mesh_.flip(h);
-    Box box[2];
-    for (const Index f : {first, second}) {
-      box[f == second] = boxes_.box_of(mesh_.position, mesh_.triangle(f));
-      boxes_.set_box(f, box[f == second]);
-    }
-    changes_.mark(joined(box[0], box[1]));
+    const Box first_box = boxes_.box_of(mesh_.position, mesh_.triangle(first)),
+              second_box = boxes_.box_of(mesh_.position, mesh_.triangle(second));
+    boxes_.set_box(first, first_box);
+    boxes_.set_box(second, second_box);
+    changes_.mark(joined(first_box, second_box));
     return true;
   }
 

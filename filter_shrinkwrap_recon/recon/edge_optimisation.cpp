@@ -238,8 +238,8 @@ class QuadricCriterion {
   std::vector<Quadric> quadric_;  // per vertex
 };
 
-// Delaunay, as far as no side of a hinge bends by more than the crease angle, or than before, and
-// no angle becomes smaller than the least.
+// Delaunay, but for creases: no edge goes that bends by more than the crease angle, no side of its
+// hinge bends by more than that, or than before, after it. No angle becomes smaller than the least.
 class DelaunayCriterion {
  public:
   DelaunayCriterion(SurfaceMesh& mesh, const EdgeOptimisationOptions& options)
@@ -259,6 +259,7 @@ class DelaunayCriterion {
                old_second = normal_of(hinge.opposite_diagonal),
                new_first = unit_or_zero((c - d).cross(a - d)),
                new_second = unit_or_zero((b - d).cross(c - d));
+    if (old_first.dot(old_second) < crease_cosine_) return false;
     const auto creases = [&](Index side, const Vec3& after, const Vec3& before) {
       const Vec3 beyond = normal_of(mesh_.twin(side));
       return is_creased(after.dot(beyond), before.dot(beyond));

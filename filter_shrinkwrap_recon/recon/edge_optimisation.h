@@ -5,6 +5,7 @@
 
 #include "progress.h"
 #include "surface_mesh.h"
+#include "types.h"
 
 namespace shrinkwrap {
 
@@ -21,25 +22,27 @@ struct EdgeOptimisationOptions {
   double shape_weight = 0.03;
   double least_gain =
       1e-5;  ///< x mean hinge edge length: smaller gains do not flip (planes would cycle)
-  // What follows the least bending. Evenly spread samples show a surface as well by their Delaunay
-  // triangulation, whose triangles are better shaped; others lie along its bends, and show it less
-  // so. Both in radians.
-  /// Above 0: when no flip lowers the criterion, edges become Delaunay wherever that bends no side
-  /// of the hinge by more than this, or by more than before. 0: the criterion has the last word.
+  // What follows: triangles that are well shaped for it. Where the samples are the vertices of a
+  // mesh of such triangles, this is nearer to it, often by half; of the surface beneath, least
+  // bending tells more (up to a quarter of the distance, the more the more evenly samples are
+  // spread). Both in radians.
+  /// Above 0: when no flip lowers the criterion, edges become Delaunay wherever neither they nor,
+  /// without them, the sides of their hinge bend by more than this. 0: the criterion has the last
+  /// word.
   double crease_angle = 40.0 * kPi / 180.0;
   /// That is not done where one of the two faces would have a smaller angle than this.
   double least_angle = 25.0 * kPi / 180.0;
 };
 
 struct EdgeOptimisationReport {
-  Index flips = 0;
+  Index flips = 0;  ///< of both steps: the second may undo some of the first
 };
 
 /// Flips edges while that lowers the criterion and turns no face away from the surface, then, if
 /// there is a crease angle, towards the Delaunay triangulation between creases, where that has
-/// well-shaped faces. Vertices do not
-/// move. The surface is known by `guide_normals`, one per vertex; without, by the area-weighted
-/// vertex normals of the mesh as given. Edges of `fixed_faces` stay.
+/// well-shaped faces. Vertices do not move. While the criterion is lowered the surface is known by
+/// `guide_normals`, one per vertex; without, by the area-weighted vertex normals of the mesh as
+/// given. Edges of `fixed_faces` stay.
 /// Pre: closed mesh without removed slots, vertices in any order (best along a Morton curve).
 /// Post: same vertices, same topology, closed 2-manifold. O(E) expected, bounded in any case;
 /// parallel, the same for any number of threads.

@@ -137,7 +137,8 @@ InitialMesh solid_boundary(const PointCloud& cloud, const WindingNumber& winding
     solid.image.mask.resize(static_cast<std::size_t>(solid.image.bricks.size()), 0);
     take_boundary(1);
   }
-  result.report.voxel_size = options.voxel_size;
+  result.report.voxel_size = solid.lattice.size / cloud.spacing;
+  result.report.voxels_are_larger = result.report.voxel_size > 1.5 * options.voxel_size;
   return result;
 }
 

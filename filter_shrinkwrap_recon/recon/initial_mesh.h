@@ -48,10 +48,11 @@ struct InitialMeshReport {
   double samples_with_solid_behind =
       1.0;                  ///< fraction that has solid 1 to 3 s behind it: below 0.999 is suspect
   double voxel_size = 0.0;  ///< x s, of the solid that was taken; 0: none was made
-  Index genus = 0;          ///< of the mesh, summed over the components
-  Index handles_refuted = 0;  ///< handles of the first solid that the second does not have
-  Index handles_cut = 0;      ///< to keep to `maximum_genus`
-  int levels = 0;             ///< bounding_box only
+  bool voxels_are_larger = false;  ///< than asked for: see make_voxel_solid
+  Index genus = 0;                 ///< of the mesh, summed over the components
+  Index handles_refuted = 0;       ///< handles of the first solid that the second does not have
+  Index handles_cut = 0;           ///< to keep to `maximum_genus`
+  int levels = 0;                  ///< bounding_box only
 };
 
 struct InitialMesh {

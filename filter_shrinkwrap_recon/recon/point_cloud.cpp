@@ -233,6 +233,20 @@ PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions&
   return cloud;
 }
 
+bool is_exact_in_unit_frame(const PointCloud& cloud, const std::vector<Vec3>& points,
+                            Progress& progress) {
+  // The unit is a power of two of the input's, and the centre no farther than subtracts exactly.
+  const Frame& frame = cloud.frame;
+  return parallel_sum(cloud.size(), kGrain, progress, Index{0}, [&](Index begin, Index end) {
+           Index inexact = 0;
+           for (Index i = begin; i < end; ++i) {
+             const Vec3 back = cloud.position[i] / frame.scale + frame.center;
+             inexact += back != points[cloud.input_index[i]];
+           }
+           return inexact;
+         }) == 0;
+}
+
 void measure_neighbourhoods(PointCloud& cloud, int neighbours, Progress& progress) {
   Neighbourhoods neighbourhoods =
       find_neighbourhoods(cloud.position, cloud.search, neighbours, progress);

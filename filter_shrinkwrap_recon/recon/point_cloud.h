@@ -73,6 +73,11 @@ Frame unit_frame(const std::vector<Vec3>& points);
 PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions& options,
                            Progress& progress);
 
+/// Whether the samples lie in the unit frame exactly where they lie among the points that they were
+/// prepared from; not so where coordinates are so small, beside others, that they vanish.
+bool is_exact_in_unit_frame(const PointCloud& cloud, const std::vector<Vec3>& points,
+                            Progress& progress);
+
 /// Computes neighbours, spacing and normals anew, with another number of neighbours. The normals
 /// are not oriented after that, and there are no planes. Pre: the cloud was prepared.
 void measure_neighbourhoods(PointCloud& cloud, int neighbours, Progress& progress);

@@ -354,12 +354,14 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   const std::vector<Vec3> kept = result.outliers.input_index.empty()
                                      ? std::vector<Vec3>()
                                      : points_at(points, cloud.input_index);
-  cloud = PointCloud();
   // The repair has counted the self-intersections of the mesh as it is, if no face was dropped, and
-  // no vertex rounded on its way out of the unit frame, as those may be that are no samples.
+  // no vertex rounded on its way into the unit frame or out of it, as those may be that are no
+  // samples.
   const bool is_counted = !options.stop_at_parametric_surface &&
                           options.intersection_repair.enabled && result.openings.left_open == 0 &&
-                          result.complete_matching.extra_vertices == 0;
+                          result.complete_matching.extra_vertices == 0 &&
+                          is_exact_in_unit_frame(cloud, points, progress);
+  cloud = PointCloud();
   result.report = check_promise(result.mesh, kept.empty() ? points : kept,
                                 is_counted ? result.intersection_repair.faces_after : kNone,
                                 promise_of(options), progress);

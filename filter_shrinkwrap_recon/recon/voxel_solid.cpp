@@ -21,6 +21,9 @@ constexpr double kFarMargin = 0.1;
 constexpr double kGreatestSpacing = 4;
 constexpr double kLeastReach = 1.75;  // x size of a voxel
 constexpr Index kMembraneBricksPerSample = 2;
+// In reach of the samples; a surface evenly sampled has less than a fifth of one.
+constexpr std::size_t kMostBricksPerSample = 4;
+constexpr std::size_t kMostBricksOfFewSamples = 1 << 12;
 // Brick coordinates fit the 21 bits of a Morton key, with room for the bricks around.
 constexpr double kMostVoxelsPerAxis = 1 << 22;
 constexpr Index kKeyOffset = 1 << 19;
@@ -36,15 +39,15 @@ Voxel brick_of_key(std::uint64_t key) {
   return {part(x), part(y), part(z)};
 }
 
-VoxelLattice lattice_over(const PointCloud& cloud, const InitialMeshOptions& options) {
-  VoxelLattice lattice;
+// Of voxels of the size asked for, or as fine as keys of bricks can be.
+VoxelLattice lattice_over(const PointCloud& cloud, double voxel_size) {
   Vec3 low = cloud.position.front(), high = low;
   for (const Vec3& p : cloud.position) {
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
-  lattice.size =
-      std::max(options.voxel_size * cloud.spacing, (high - low).maxCoeff() / kMostVoxelsPerAxis);
+  VoxelLattice lattice;
+  lattice.size = std::max(voxel_size, (high - low).maxCoeff() / kMostVoxelsPerAxis);
   lattice.origin = low - Vec3::Constant(0.5 * lattice.size);
   return lattice;
 }
@@ -118,11 +121,8 @@ class Classification {
       : cloud_(cloud), winding_(winding), options_(options) {}
 
   VoxelSolid run(Progress& progress) {
-    solid_.lattice = lattice_over(cloud_, options_);
-    progress.set_range(0.0, 0.05);
-    const SampleBins bins = bin_samples(cloud_, solid_.lattice, options_, progress);
-    progress.set_range(0.05, 0.1);
-    add_bricks_in_reach(bins, progress);
+    progress.set_range(0.0, 0.1);
+    const SampleBins bins = add_bricks_in_reach(progress);
     progress.set_range(0.1, 0.5);
     parallel_for_each(solid_.image.bricks.size(), kBrickGrain, progress,
                       [&](Index brick) { classify(brick, bins); });
@@ -140,7 +140,24 @@ class Classification {
     float nearest[BrickIndex::kVoxels];            // squared distance of the nearest, x 1/s_i^2
   };
 
-  void add_bricks_in_reach(const SampleBins& bins, Progress& progress) {
+  // Where most samples are so far apart, for the median spacing, that the voxels between them would
+  // be many times the samples, voxels are larger.
+  SampleBins add_bricks_in_reach(Progress& progress) {
+    const std::size_t most =
+        std::max(kMostBricksPerSample * cloud_.position.size(), kMostBricksOfFewSamples);
+    for (double size = options_.voxel_size * cloud_.spacing;; size = 2.0 * solid_.lattice.size) {
+      solid_.lattice = lattice_over(cloud_, size);
+      SampleBins bins = bin_samples(cloud_, solid_.lattice, options_, progress);
+      const std::vector<std::uint64_t> bricks = bricks_in_reach(bins, progress);
+      if (bricks.size() > most) continue;
+      for (const std::uint64_t key : bricks) solid_.image.add(brick_of_key(key));
+      solid_.near_samples.assign(bricks.size(), 0);
+      return bins;
+    }
+  }
+
+  // Their keys, ascending.
+  static std::vector<std::uint64_t> bricks_in_reach(const SampleBins& bins, Progress& progress) {
     std::vector<std::uint64_t> bricks = parallel_collect<std::uint64_t>(
         bins.bricks.size(), 64, progress,
         [&](Index begin, Index end, std::vector<std::uint64_t>& reached) {
@@ -167,8 +184,7 @@ class Classification {
         });
     tbb::parallel_sort(bricks);
     bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
-    for (const std::uint64_t key : bricks) solid_.image.add(brick_of_key(key));
-    solid_.near_samples.assign(bricks.size(), 0);
+    return bricks;
   }
 
   static void gather(const Voxel& brick, const SampleBins& bins, PlaneField& field) {

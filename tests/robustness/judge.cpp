@@ -60,9 +60,11 @@ void compare_with_samples(const std::vector<Vec3>& points, const std::vector<Ind
   const auto not_finite = static_cast<Index>(mesh.position.size() - vertices.size());
   judgement.samples = static_cast<Index>(samples.size());
   judgement.vertices = static_cast<Index>(mesh.position.size());
+  judgement.extra = not_finite;
+  for (const Coordinates& vertex : vertices)
+    judgement.extra += !std::binary_search(samples.begin(), samples.end(), vertex);
   judgement.repeated = remove_repetitions(vertices);
   judgement.missing = count_difference(samples, vertices);
-  judgement.extra = count_difference(vertices, samples) + not_finite;
 
   const auto given = static_cast<Index>(points.size());
   for (std::size_t v = 0; v < mesh.position.size(); ++v) {
