@@ -101,8 +101,8 @@ void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings
                        "cloud resolves.");
   if (report.voxels_are_larger)
     warnings.push_back("Voxels of " + formatted("%.3g", report.voxel_size) +
-                       " median spacings were taken, larger than asked for: most samples are far "
-                       "apart beside the densest, whose shape is lost.");
+                       " median spacings were taken, larger than asked for: the samples are too "
+                       "unevenly spread for smaller ones, and the shape of the densest is lost.");
   if (report.handles_refuted > 0)
     warnings.push_back(count_of(report.handles_refuted, "handle") +
                        " of the first solid left out: one of voxels of " +

@@ -7,7 +7,6 @@
 #include <numeric>
 
 #include "filter_log.h"
-#include "finish_matching.h"
 #include "memory_estimate.h"
 #include "parallel.h"
 #include "stage_qualities.h"
@@ -113,8 +112,7 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   warn_of(result.initial_mesh, outcome.warnings);
   warn_of(result.complete_matching, outcome.warnings);
   warn_of_openings(request.options, outcome.warnings);
-  warn_of_intersections(static_cast<Index>(result.intersection_repair.remaining_faces.size()),
-                        outcome.warnings);
+  warn_of_intersections(result.intersection_repair.faces_after, outcome.warnings);
   warn_of_intersections(result.relaxation.faces_after, outcome.warnings);
   if (result.intersection_repair.faces_before > 0)
     outcome.log.insert(outcome.log.end() - 1, repair_line(result.intersection_repair));
@@ -268,47 +266,30 @@ FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterIn
                                     Progress& progress) {
   FilterOutcome outcome;
   const PointCloud cloud = prepare(input, request.options, progress, outcome);
-  const double spacing = cloud.frame.to_input_length(cloud.spacing);
   CompleteMatching matching = matching_of(input, cloud);
-  const CompleteMatchingOptions& options = request.options.complete_matching;
-  matching.spanning_faces = spanning_faces(input.mesh, spacing);
-  OpeningsReport openings = decide_openings(matching, cloud, options, progress);
-  const std::vector<Index>& dropped = matching.opening_faces;
-  progress.begin(Stage::edge_optimisation);
-  progress.set_part(0.0, 0.5);
-  const EdgeOptimisationReport report = optimise_edges(
-      matching.mesh, request.options.edge_optimisation, progress, matching.spanning_faces);
-  outcome.log.push_back(count_of(report.flips, "edge flip"));
-  Index meeting_faces = kNone;
-  progress.set_part(0.5, 0.8);
-  if (request.options.intersection_repair.enabled) {
-    const FinishReport finish =
-        finish_matching(matching, cloud.size(), cloud.spacing, request.options.intersection_repair,
-                        openings, progress);
-    const RepairReport& repair = finish.repair;
-    if (finish.removed_extra > 0)
-      outcome.log.push_back(
-          count_of(finish.removed_extra, "vertex", "vertices") +
-          " without a sample could be removed after all, and openings are spanned there.");
-    if (repair.faces_before > 0) outcome.log.push_back(repair_line(repair));
-    outcome.marked_faces = indices_after_drop(repair.remaining_faces, dropped);
-    warn_of_intersections(static_cast<Index>(outcome.marked_faces.size()), outcome.warnings);
-    // As it is, if no face is dropped, and no vertex rounded.
-    if (dropped.empty() && matching.mesh.vertex_count() == cloud.size() &&
-        is_exact_in_unit_frame(cloud, input.points, progress))
-      meeting_faces = repair.faces_after;
-  }
-  if (openings.spanned + openings.left_open > 0) outcome.log.push_back(openings_line(openings));
-  progress.set_part(0.8, 1.0);
-  outcome.mesh = to_result(matching, cloud, input.points, progress);
-  drop_faces(outcome.mesh, dropped, progress);
-  outcome.mesh.face_quality =
-      spanning_lengths(outcome.mesh, indices_after_drop(matching.spanning_faces, dropped), spacing);
+  matching.spanning_faces = spanning_faces(input.mesh, cloud.frame.to_input_length(cloud.spacing));
+  OptimisedMesh optimised =
+      optimise_matching(matching, cloud, input.points, request.options, progress);
+  outcome.mesh = std::move(optimised.mesh);
   outcome.layer_suffix = "shrink wrap";
 
+  outcome.log.push_back(count_of(optimised.edge_optimisation.flips, "edge flip"));
+  if (optimised.removed_extra > 0)
+    outcome.log.push_back(
+        count_of(optimised.removed_extra, "vertex", "vertices") +
+        " without a sample could be removed after all, and openings are spanned there.");
+  RepairReport& repair = optimised.intersection_repair;
+  if (repair.faces_before > 0) outcome.log.push_back(repair_line(repair));
+  warn_of_intersections(repair.faces_after, outcome.warnings);
+  outcome.marked_faces = std::move(repair.remaining_faces);
+  const OpeningsReport& openings = optimised.openings;
+  if (openings.spanned + openings.left_open > 0) outcome.log.push_back(openings_line(openings));
+
   progress.begin(Stage::report);
-  const MeshReport checked = check_promise(outcome.mesh, points_at(input.points, cloud.input_index),
-                                           meeting_faces, promise_of(request.options), progress);
+  const bool is_counted = request.options.intersection_repair.enabled;
+  const MeshReport checked =
+      check_promise(outcome.mesh, points_at(input.points, cloud.input_index),
+                    is_counted ? repair.faces_after : kNone, promise_of(request.options), progress);
   for (const auto& [name, value] : figures_of(checked)) outcome.figures[name] = value;
   outcome.log.push_back(kSucceeded + verdict_of(checked));
   return outcome;

@@ -285,6 +285,7 @@ TEST(Reconstruct, ReportsTheIntersectionsOfTheMeshAsItIs) {
       self_intersecting_faces(result.mesh.position, result.mesh.triangles, silent);
   EXPECT_FALSE(meeting.empty());
   EXPECT_EQ(result.report.self_intersecting_faces, static_cast<Index>(meeting.size()));
+  EXPECT_EQ(result.intersection_repair.remaining_faces, meeting);
 }
 
 TEST(Reconstruct, RefusesWhatDoesNotFitInMemory) {

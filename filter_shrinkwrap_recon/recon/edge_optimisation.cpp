@@ -284,9 +284,8 @@ class DelaunayCriterion {
 
 // Looks at every edge, and again at those around each flip, until no flip helps.
 template <class Criterion>
-Index flip_all(SurfaceMesh& mesh, Criterion& criterion, const std::vector<Index>& fixed_faces,
-               Progress& progress) {
-  const VertexBlocks blocks(mesh.position, progress);
+Index flip_all(SurfaceMesh& mesh, Criterion& criterion, const VertexBlocks& blocks,
+               const std::vector<Index>& fixed_faces, Progress& progress) {
   std::vector<char> is_queued(mesh.halfedge_slots(), 0);  // by the lower half-edge of an edge
   std::vector<char> is_fixed(fixed_faces.empty() ? 0 : mesh.face_slots(), 0);
   for (const Index f : fixed_faces) is_fixed[f] = 1;
@@ -355,22 +354,23 @@ EdgeOptimisationReport optimise_edges(SurfaceMesh& mesh, const EdgeOptimisationO
   progress.begin(Stage::edge_optimisation);
   progress.set_range(0.0, 0.2);
   std::vector<Vec3f> guide = normals_of_vertices(mesh, guide_normals, progress);
+  const VertexBlocks blocks(mesh.position, progress);
   EdgeOptimisationReport report;
   const bool is_delaunay = options.crease_angle > 0.0;
   const double flipped = is_delaunay ? 0.8 : 1.0;
   if (options.criterion == EdgeOptimisationOptions::Criterion::quadric) {
     QuadricCriterion criterion(mesh, options, std::move(guide), progress);
     progress.set_range(0.2, flipped);
-    report.flips = flip_all(mesh, criterion, fixed_faces, progress);
+    report.flips = flip_all(mesh, criterion, blocks, fixed_faces, progress);
   } else {
     BendingCriterion criterion(mesh, options, std::move(guide), progress);
     progress.set_range(0.2, flipped);
-    report.flips = flip_all(mesh, criterion, fixed_faces, progress);
+    report.flips = flip_all(mesh, criterion, blocks, fixed_faces, progress);
   }
   if (is_delaunay) {
     DelaunayCriterion criterion(mesh, options);
     progress.set_range(flipped, 1.0);
-    report.flips += flip_all(mesh, criterion, fixed_faces, progress);
+    report.flips += flip_all(mesh, criterion, blocks, fixed_faces, progress);
   }
   turn_outward(mesh);
   progress.update(1.0);

@@ -26,9 +26,9 @@ struct EdgeOptimisationOptions {
   // mesh of such triangles, this is nearer to it, often by half; of the surface beneath, least
   // bending tells more (up to a quarter of the distance, the more the more evenly samples are
   // spread). Both in radians.
-  /// Above 0: when no flip lowers the criterion, edges become Delaunay wherever neither they nor,
-  /// without them, the sides of their hinge bend by more than this. 0: the criterion has the last
-  /// word.
+  /// Above 0: when no flip lowers the criterion, edges become Delaunay wherever they bend by
+  /// less than this, and without them no side of their hinge bends by more than this, or than
+  /// before. 0: the criterion has the last word.
   double crease_angle = 40.0 * kPi / 180.0;
   /// That is not done where one of the two faces would have a smaller angle than this.
   double least_angle = 25.0 * kPi / 180.0;

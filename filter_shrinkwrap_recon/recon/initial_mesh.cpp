@@ -138,7 +138,7 @@ InitialMesh solid_boundary(const PointCloud& cloud, const WindingNumber& winding
     take_boundary(1);
   }
   result.report.voxel_size = solid.lattice.size / cloud.spacing;
-  result.report.voxels_are_larger = result.report.voxel_size > 1.5 * options.voxel_size;
+  result.report.voxels_are_larger = solid.lattice.size > options.voxel_size * cloud.spacing;
   return result;
 }
 

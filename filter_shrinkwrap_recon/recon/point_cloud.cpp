@@ -235,7 +235,7 @@ PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions&
 
 bool is_exact_in_unit_frame(const PointCloud& cloud, const std::vector<Vec3>& points,
                             Progress& progress) {
-  // The unit is a power of two of the input's, and the centre no farther than subtracts exactly.
+  // The scale is a power of two, and to subtract the centre rounds nothing (unit_frame).
   const Frame& frame = cloud.frame;
   return parallel_sum(cloud.size(), kGrain, progress, Index{0}, [&](Index begin, Index end) {
            Index inexact = 0;

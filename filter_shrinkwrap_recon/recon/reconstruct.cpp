@@ -153,27 +153,12 @@ void match(SurfaceMesh parametric, const PointCloud& cloud, const std::vector<Ve
     return stage;
   });
 
-  result.openings = decide_openings(matching, cloud, options.complete_matching, progress);
-  progress.begin(Stage::edge_optimisation);
-  progress.set_part(0.0, 0.5);
-  result.edge_optimisation =
-      optimise_edges(matching.mesh, options.edge_optimisation, progress, matching.spanning_faces);
-  progress.set_part(0.5, 0.8);
-  if (options.intersection_repair.enabled) {
-    FinishReport finish = finish_matching(matching, cloud.size(), cloud.spacing,
-                                          options.intersection_repair, result.openings, progress);
-    result.intersection_repair = std::move(finish.repair);
-  }
-  result.complete_matching.extra_vertices =
-      extra_vertices_kept(matching.mesh, cloud.size(), matching.opening_faces);
-  progress.set_part(0.8, 1.0);
-  result.mesh = to_result(matching, cloud, points, progress);
-  drop_faces(result.mesh, matching.opening_faces, progress);
-  std::vector<Index>& remaining = result.intersection_repair.remaining_faces;
-  remaining = indices_after_drop(remaining, matching.opening_faces);
-  result.mesh.face_quality = spanning_lengths(
-      result.mesh, indices_after_drop(matching.spanning_faces, matching.opening_faces),
-      result.spacing);
+  OptimisedMesh optimised = optimise_matching(matching, cloud, points, options, progress);
+  result.mesh = std::move(optimised.mesh);
+  result.openings = optimised.openings;
+  result.edge_optimisation = optimised.edge_optimisation;
+  result.intersection_repair = std::move(optimised.intersection_repair);
+  result.complete_matching.extra_vertices = optimised.extra_vertices;
   log.add(Stage::edge_optimisation, matching.mesh.vertex_count());
   if (options.keep_stages) result.mesh.vertex_quality = distances(result.mesh);
 }
@@ -354,14 +339,9 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   const std::vector<Vec3> kept = result.outliers.input_index.empty()
                                      ? std::vector<Vec3>()
                                      : points_at(points, cloud.input_index);
-  // The repair has counted the self-intersections of the mesh as it is, if no face was dropped, and
-  // no vertex rounded on its way into the unit frame or out of it, as those may be that are no
-  // samples.
-  const bool is_counted = !options.stop_at_parametric_surface &&
-                          options.intersection_repair.enabled && result.openings.left_open == 0 &&
-                          result.complete_matching.extra_vertices == 0 &&
-                          is_exact_in_unit_frame(cloud, points, progress);
   cloud = PointCloud();
+  const bool is_counted =
+      !options.stop_at_parametric_surface && options.intersection_repair.enabled;
   result.report = check_promise(result.mesh, kept.empty() ? points : kept,
                                 is_counted ? result.intersection_repair.faces_after : kNone,
                                 promise_of(options), progress);
@@ -433,6 +413,44 @@ FittedSurface fit_surface(SurfaceMesh control, const PointCloud& cloud,
     result.relaxation.faces_after = static_cast<Index>(result.relaxation.remaining_faces.size());
   }
   measure_distances(result.surface, cloud, options.parametric_surface, progress);
+  return result;
+}
+
+OptimisedMesh optimise_matching(CompleteMatching& matching, const PointCloud& cloud,
+                                const std::vector<Vec3>& points,
+                                const ReconstructionOptions& options, Progress& progress) {
+  OptimisedMesh result;
+  progress.begin(Stage::edge_optimisation);
+  progress.set_part(0.0, 0.05);
+  result.openings = decide_openings(matching, cloud, options.complete_matching, progress);
+  progress.set_part(0.05, 0.5);
+  result.edge_optimisation =
+      optimise_edges(matching.mesh, options.edge_optimisation, progress, matching.spanning_faces);
+  progress.set_part(0.5, 0.8);
+  RepairReport& repair = result.intersection_repair;
+  if (options.intersection_repair.enabled) {
+    FinishReport finish = finish_matching(matching, cloud.size(), cloud.spacing,
+                                          options.intersection_repair, result.openings, progress);
+    repair = std::move(finish.repair);
+    result.removed_extra = finish.removed_extra;
+  }
+  progress.set_part(0.8, 1.0);
+  const std::vector<Index>& dropped = matching.opening_faces;
+  result.extra_vertices = extra_vertices_kept(matching.mesh, cloud.size(), dropped);
+  result.mesh = to_result(matching, cloud, points, progress);
+  drop_faces(result.mesh, dropped, progress);
+  repair.remaining_faces = indices_after_drop(repair.remaining_faces, dropped);
+  result.mesh.face_quality =
+      spanning_lengths(result.mesh, indices_after_drop(matching.spanning_faces, dropped),
+                       cloud.frame.to_input_length(cloud.spacing));
+  // The repair counts in the unit frame. Vertices may have been rounded on their way into it, or,
+  // those that are no samples, out of it.
+  if (options.intersection_repair.enabled &&
+      (result.extra_vertices > 0 || !is_exact_in_unit_frame(cloud, points, progress))) {
+    repair.remaining_faces =
+        self_intersecting_faces(result.mesh.position, result.mesh.triangles, progress);
+    repair.faces_after = static_cast<Index>(repair.remaining_faces.size());
+  }
   return result;
 }
 

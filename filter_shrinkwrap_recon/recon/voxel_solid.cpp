@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bounding_box.h"
 #include "morton.h"
 #include "parallel.h"
 #include "sort_unique.h"
@@ -40,15 +41,10 @@ Voxel brick_of_key(std::uint64_t key) {
 }
 
 // Of voxels of the size asked for, or as fine as keys of bricks can be.
-VoxelLattice lattice_over(const PointCloud& cloud, double voxel_size) {
-  Vec3 low = cloud.position.front(), high = low;
-  for (const Vec3& p : cloud.position) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
+VoxelLattice lattice_over(const Box& box, double voxel_size) {
   VoxelLattice lattice;
-  lattice.size = std::max(voxel_size, (high - low).maxCoeff() / kMostVoxelsPerAxis);
-  lattice.origin = low - Vec3::Constant(0.5 * lattice.size);
+  lattice.size = std::max(voxel_size, (box.high - box.low).maxCoeff() / kMostVoxelsPerAxis);
+  lattice.origin = box.low - Vec3::Constant(0.5 * lattice.size);
   return lattice;
 }
 
@@ -145,8 +141,9 @@ class Classification {
   SampleBins add_bricks_in_reach(Progress& progress) {
     const std::size_t most =
         std::max(kMostBricksPerSample * cloud_.position.size(), kMostBricksOfFewSamples);
+    const Box box = bounding_box(cloud_.position);
     for (double size = options_.voxel_size * cloud_.spacing;; size = 2.0 * solid_.lattice.size) {
-      solid_.lattice = lattice_over(cloud_, size);
+      solid_.lattice = lattice_over(box, size);
       SampleBins bins = bin_samples(cloud_, solid_.lattice, options_, progress);
       const std::vector<std::uint64_t> bricks = bricks_in_reach(bins, progress);
       if (bricks.size() > most) continue;
