@@ -94,6 +94,11 @@ void tell_of_noise(double noise, const DenoisingReport& denoising,
         "surface (StopAtParametricSurface) for a smooth one near them.");
 }
 
+std::string dense_parts_line(const InitialMeshReport& report) {
+  return count_of(report.refined_parts, "part") +
+         " with voxels of half the size, where samples are dense";
+}
+
 void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings) {
   if (report.samples_with_solid_behind < 0.999)
     warnings.push_back(formatted("%.2f", 100.0 * (1.0 - report.samples_with_solid_behind)) +

@@ -8,6 +8,7 @@
 #include "parallel.h"
 #include "tangent_target.h"
 #include "voxel_boundary.h"
+#include "voxel_refinement.h"
 #include "voxel_solid.h"
 #include "winding_number.h"
 
@@ -124,10 +125,15 @@ InitialMesh solid_boundary(const PointCloud& cloud, const WindingNumber& winding
                            const InitialMeshOptions& options, Progress& progress) {
   InitialMesh result;
   VoxelSolid solid = make_voxel_solid(cloud, winding, options, progress);
+  const double voxel_size = solid.lattice.size;
+  result.report.voxel_size = voxel_size / cloud.spacing;
+  result.report.voxels_are_larger = voxel_size > options.voxel_size * cloud.spacing;
+  if (!result.report.voxels_are_larger)
+    result.report.refined_parts = refine_dense_parts(solid, cloud, winding, options, progress);
   const auto take_boundary = [&](Index min_samples) {
     make_well_composed(solid.image, progress);
     result.mesh = boundary_of(solid.image, solid.lattice, progress);
-    keep_supported(result, cloud, kSupportReach * solid.lattice.size, min_samples, progress);
+    keep_supported(result, cloud, kSupportReach * voxel_size, min_samples, progress);
   };
   progress.set_range(0.6, 0.7);
   take_boundary(std::clamp<Index>(cloud.size() / 100, 4, options.min_component_samples));
@@ -137,8 +143,6 @@ InitialMesh solid_boundary(const PointCloud& cloud, const WindingNumber& winding
     solid.image.mask.resize(static_cast<std::size_t>(solid.image.bricks.size()), 0);
     take_boundary(1);
   }
-  result.report.voxel_size = solid.lattice.size / cloud.spacing;
-  result.report.voxels_are_larger = solid.lattice.size > options.voxel_size * cloud.spacing;
   return result;
 }
 

@@ -21,6 +21,9 @@ struct InitialMeshOptions {
   double blend_begin =
       1.2;  ///< x local spacing: up to here from the samples the plane field alone decides
   double blend_end = 2.5;  ///< x local spacing: from here on the winding number alone decides
+  /// Parts whose samples are closer than this, x s, get voxels of half the size, unless these show
+  /// more handles (voxel_refinement.h). 0: never.
+  double dense_spacing = 0.7;
   /// Where the first solid has handles, a second one with voxels of this many times the size is
   /// made; the first stays unless the second has fewer handles and as many parts (of larger voxels:
   /// as many bodies, as cavities between noisy layers are refuted too). 0: never.
@@ -48,6 +51,7 @@ struct InitialMeshReport {
   double samples_with_solid_behind =
       1.0;                  ///< fraction that has solid 1 to 3 s behind it: below 0.999 is suspect
   double voxel_size = 0.0;  ///< x s, of the solid that was taken; 0: none was made
+  Index refined_parts = 0;  ///< dense parts with voxels of half that
   bool voxels_are_larger = false;  ///< than asked for: see make_voxel_solid
   Index genus = 0;                 ///< of the mesh, summed over the components
   Index handles_refuted = 0;       ///< handles of the first solid that the second does not have

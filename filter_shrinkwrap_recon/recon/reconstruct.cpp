@@ -381,8 +381,11 @@ CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
   report.orientation = orient_normals(cloud, options.orientation, progress);
   if (may_smooth) progress.set_part(0.15, 0.2);
   report.noise = estimate_noise(cloud, options.noise, progress);
-  if (report.noise.median > options.noise.high && options.initial_mesh.second_voxel_ratio > 0.0)
-    options.initial_mesh.second_voxel_ratio = options.noise.second_voxel_ratio;
+  if (report.noise.median > options.noise.high) {
+    options.initial_mesh.dense_spacing = 0.0;
+    if (options.initial_mesh.second_voxel_ratio > 0.0)
+      options.initial_mesh.second_voxel_ratio = options.noise.second_voxel_ratio;
+  }
   if (!options.stop_at_parametric_surface) return report;
   if (may_smooth && report.noise.median > options.denoising.from)
     report.denoising = smooth_for_noise(cloud, report.noise, options, report.orientation, progress);

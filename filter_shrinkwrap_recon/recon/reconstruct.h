@@ -110,7 +110,7 @@ struct CloudReport {
 };
 
 /// Orients the normals and estimates the noise. Above `options.noise.high` handles are to be
-/// refuted by larger voxels. If the run stops at the parametric surface, and there is more noise
+/// refuted by larger voxels, and no voxels are smaller. If the run stops at the parametric surface, and there is more noise
 /// than `options.denoising.from`, then the samples are moved onto the surface that they scatter
 /// about, with normals of neighbourhoods that are the wider the noisier the samples are, and
 /// `options` of the later stages are changed to suit (larger voxels; see NoiseOptions). A chain of

@@ -44,25 +44,6 @@ Index count_bits(BrickMask mask) {
   return static_cast<Index>(__builtin_popcountll(mask));
 }
 
-// Squares of a brick, each between a voxel and the one ahead along an axis.
-struct Squares {
-  BrickMask between[3];
-  Index count() const {
-    return count_bits(between[0]) + count_bits(between[1]) + count_bits(between[2]);
-  }
-};
-
-Squares squares_of(const VoxelImage& image, Index brick) {
-  Squares squares;
-  for (int axis = 0; axis < 3; ++axis) {
-    Voxel next = image.bricks.brick(brick);
-    ++next[axis];
-    const BrickMask mask = image.mask[brick];
-    squares.between[axis] = mask ^ state_ahead(axis, mask, image.mask_beside(brick, next));
-  }
-  return squares;
-}
-
 // Corners of voxels that the boundary touches, by the voxel whose lowest corner they are.
 BrickMask corners_of(const VoxelImage& image, Index brick) {
   BrickMask any = 0, all = kAllSolid;
@@ -71,6 +52,100 @@ BrickMask corners_of(const VoxelImage& image, Index brick) {
     all &= state;
   }
   return any & ~all;
+}
+
+// Squares of a brick, each between a voxel and the one ahead along an axis.
+BrickMask squares_along(const VoxelImage& image, Index brick, int axis) {
+  Voxel next = image.bricks.brick(brick);
+  ++next[axis];
+  const BrickMask mask = image.mask[brick];
+  return mask ^ state_ahead(axis, mask, image.mask_beside(brick, next));
+}
+
+// Voxels of odd coordinates along an axis, and how far apart the bits of neighbours along it are.
+constexpr BrickMask kOdd[3] = {0xAAAAAAAAAAAAAAAAu, 0xF0F0F0F0F0F0F0F0u, 0xFFFF0000FFFF0000u};
+constexpr int kStep[3] = {1, 4, 16};
+
+// Voxels of blocks of 2 x 2 x 2 that are alike.
+BrickMask uniform_blocks(BrickMask mask) {
+  const auto lowest = [](BrickMask m) {
+    for (int axis = 0; axis < 3; ++axis) m &= m >> kStep[axis] & ~kOdd[axis];
+    return m;
+  };
+  BrickMask blocks = lowest(mask) | lowest(~mask);
+  for (const int step : kStep) blocks |= blocks << step;
+  return blocks;
+}
+
+// Corners of voxels that become vertices, and squares.
+struct Layout {
+  std::vector<BrickMask> vertices;
+  // Corners in the middle of large squares, which are four squares between two blocks. They are
+  // vertices only if an edge of the large square is cut in two, as it is beside small squares.
+  std::vector<BrickMask> centres;
+
+  bool has_large_squares() const { return !centres.empty(); }
+};
+
+Layout layout_of(const VoxelImage& image, Progress& progress) {
+  const Index bricks = image.bricks.size();
+  Layout layout;
+  layout.vertices.resize(static_cast<std::size_t>(bricks));
+  parallel_for_each(bricks, kGrain, progress,
+                    [&](Index brick) { layout.vertices[brick] = corners_of(image, brick); });
+  if (image.in_blocks.empty()) return layout;
+
+  std::vector<BrickMask> blocks(layout.vertices.size(), 0), midpoints(layout.vertices.size());
+  parallel_for_each(static_cast<Index>(image.in_blocks.size()), kGrain, progress, [&](Index brick) {
+    if (image.in_blocks[brick]) blocks[brick] = uniform_blocks(image.mask[brick]);
+  });
+  // Corners with nothing but blocks around: on an edge of blocks that is whole if one coordinate is
+  // odd, on a square between two blocks if two are.
+  layout.centres.resize(layout.vertices.size());
+  parallel_for_each(bricks, kGrain, progress, [&](Index brick) {
+    BrickMask corners = layout.vertices[brick];
+    for (const BrickMask state : image.states_behind(blocks, brick)) corners &= state;
+    const BrickMask odd_sum = kOdd[0] ^ kOdd[1] ^ kOdd[2];
+    midpoints[brick] = corners & odd_sum;
+    layout.centres[brick] = corners & ~odd_sum & (kOdd[0] | kOdd[1]);
+  });
+  parallel_for_each(bricks, kGrain, progress, [&](Index brick) {
+    BrickMask whole = layout.centres[brick];  // all four edges are
+    for (int axis = 0; axis < 3 && whole != 0; ++axis) {
+      Voxel next = image.bricks.brick(brick);
+      ++next[axis];
+      const Index ahead = image.bricks.find(next);
+      const BrickMask both =
+          state_ahead(axis, midpoints[brick], ahead == kNone ? 0 : midpoints[ahead]) &
+          state_behind(axis, midpoints[brick], 0);
+      whole &= ~kOdd[axis] | both;
+    }
+    layout.vertices[brick] &= ~(midpoints[brick] | whole);
+  });
+  return layout;
+}
+
+// Squares of a brick along an axis, by the voxel behind them.
+struct Squares {
+  BrickMask single = 0;
+  BrickMask large = 0;  // by that of the four voxels whose coordinates are odd
+};
+
+Squares squares_of(const VoxelImage& image, const Layout& layout, Index brick, int axis) {
+  Squares squares;
+  squares.single = squares_along(image, brick, axis);
+  if (!layout.has_large_squares()) return squares;
+  Voxel next = image.bricks.brick(brick);
+  ++next[axis];
+  const Index ahead = image.bricks.find(next);
+  squares.large =
+      state_ahead(axis, layout.centres[brick], ahead == kNone ? 0 : layout.centres[ahead]) &
+      kOdd[0] & kOdd[1] & kOdd[2];
+  BrickMask parts = squares.large;
+  for (int other = 0; other < 3; ++other)
+    if (other != axis) parts |= parts >> kStep[other];
+  squares.single &= ~parts;
+  return squares;
 }
 
 // Exclusive sums; the total comes last.
@@ -84,6 +159,142 @@ std::vector<Index> running_sums(std::vector<Index> counts) {
   counts.push_back(total);
   return counts;
 }
+
+// The mesh of a layout.
+class Boundary {
+ public:
+  Boundary(const VoxelImage& image, Progress& progress)
+      : image_(image), layout_(layout_of(image, progress)) {}
+
+  SurfaceMesh mesh(const VoxelLattice& lattice, Progress& progress) {
+    const Index bricks = image_.bricks.size();
+    std::vector<Index> vertex_count(static_cast<std::size_t>(bricks)),
+        triangle_count(vertex_count.size());
+    parallel_for_each(bricks, kGrain, progress, [&](Index brick) {
+      vertex_count[brick] = count_bits(layout_.vertices[brick]);
+      triangle_count[brick] = triangles_of(brick);
+    });
+    first_vertex_ = running_sums(std::move(vertex_count));
+    const std::vector<Index> first_triangle = running_sums(std::move(triangle_count));
+
+    std::vector<Vec3> position(static_cast<std::size_t>(first_vertex_.back()));
+    std::vector<Triangle> triangles(static_cast<std::size_t>(first_triangle.back()));
+    parallel_for_each(bricks, kGrain, progress, [&](Index brick) {
+      Index vertex = first_vertex_[brick];
+      for_each_bit(layout_.vertices[brick], [&](Index offset) {
+        position[vertex++] =
+            lattice.corner_of(BrickIndex::voxel_in(image_.bricks.brick(brick), offset));
+      });
+      Triangle* out = triangles.data() + first_triangle[brick];
+      for (int axis = 0; axis < 3; ++axis) {
+        const Squares squares = squares_of(image_, layout_, brick, axis);
+        for_each_bit(squares.single, [&](Index offset) { add_square(brick, axis, offset, out); });
+        for_each_bit(squares.large,
+                     [&](Index offset) { add_large_square(brick, axis, offset, out); });
+      }
+    });
+    if (triangles.empty()) return SurfaceMesh();
+    return SurfaceMesh::from_triangles(std::move(position), triangles, progress);
+  }
+
+ private:
+  // The corners of a large square and the middles of its edges, in turn around its centre.
+  struct Ring {
+    Voxel centre;
+    std::array<Voxel, 8> corner;
+  };
+  Ring ring_of(Index brick, int axis, Index offset) const {
+    static constexpr Index kAcross[8] = {-1, 0, 1, 1, 1, 0, -1, -1},
+                           kUp[8] = {-1, -1, -1, 0, 1, 1, 1, 0};
+    Ring ring;
+    ring.centre = BrickIndex::voxel_in(image_.bricks.brick(brick), offset);
+    ++ring.centre[axis];
+    for (std::size_t k = 0; k < 8; ++k) {
+      ring.corner[k] = ring.centre;
+      ring.corner[k][(axis + 1) % 3] += kAcross[k];
+      ring.corner[k][(axis + 2) % 3] += kUp[k];
+    }
+    return ring;
+  }
+
+  Index holder_of(Index brick, const Voxel& corner) const {
+    const Voxel holder = BrickIndex::brick_of(corner);
+    return holder == image_.bricks.brick(brick) ? brick : image_.bricks.find(holder);
+  }
+  bool is_vertex(Index brick, const Voxel& corner) const {
+    return layout_.vertices[holder_of(brick, corner)] >> BrickIndex::offset_of(corner) & 1;
+  }
+  Index vertex_at(Index brick, const Voxel& corner) const {
+    const Index holder = holder_of(brick, corner);
+    const BrickMask before = (BrickMask{1} << BrickIndex::offset_of(corner)) - 1;
+    return first_vertex_[holder] + count_bits(layout_.vertices[holder] & before);
+  }
+
+  Index triangles_of(Index brick) const {
+    Index count = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Squares squares = squares_of(image_, layout_, brick, axis);
+      count += 2 * count_bits(squares.single);
+      for_each_bit(squares.large, [&](Index offset) {
+        const Ring ring = ring_of(brick, axis, offset);
+        if (!is_vertex(brick, ring.centre)) {
+          count += 2;
+          return;
+        }
+        for (const Voxel& corner : ring.corner) count += is_vertex(brick, corner);
+      });
+    }
+    return count;
+  }
+
+  void add_square(Index brick, int axis, Index offset, Triangle*& out) const {
+    const Voxel v = BrickIndex::voxel_in(image_.bricks.brick(brick), offset);
+    const int u = (axis + 1) % 3, w = (axis + 2) % 3;
+    Index quad[4];
+    for (int k = 0; k < 4; ++k) {
+      Voxel corner = v;
+      ++corner[axis];
+      corner[u] += k == 1 || k == 2;
+      corner[w] += k >= 2;
+      quad[k] = vertex_at(brick, corner);
+    }
+    add_quad(quad, is_solid(brick, offset), (v[0] + v[1] + v[2]) & 1, out);
+  }
+
+  void add_large_square(Index brick, int axis, Index offset, Triangle*& out) const {
+    const Ring ring = ring_of(brick, axis, offset);
+    const bool outwards = is_solid(brick, offset);
+    if (!is_vertex(brick, ring.centre)) {
+      Index quad[4];
+      for (std::size_t k = 0; k < 4; ++k) quad[k] = vertex_at(brick, ring.corner[2 * k]);
+      const Voxel& c = ring.centre;
+      add_quad(quad, outwards, ((c[0] >> 1) + (c[1] >> 1) + (c[2] >> 1)) & 1, out);
+      return;
+    }
+    const Index centre = vertex_at(brick, ring.centre), first = vertex_at(brick, ring.corner[0]);
+    Index last = first;
+    const auto add = [&](Index next) {
+      *out++ = outwards ? Triangle{centre, last, next} : Triangle{centre, next, last};
+      last = next;
+    };
+    for (std::size_t k = 1; k < 8; ++k)
+      if (is_vertex(brick, ring.corner[k])) add(vertex_at(brick, ring.corner[k]));
+    add(first);
+  }
+
+  bool is_solid(Index brick, Index offset) const { return image_.mask[brick] >> offset & 1; }
+
+  // `first`: at which corner the diagonal begins; they alternate.
+  static void add_quad(Index (&quad)[4], bool outwards, int first, Triangle*& out) {
+    if (!outwards) std::swap(quad[1], quad[3]);
+    *out++ = {quad[first], quad[first + 1], quad[first + 2]};
+    *out++ = {quad[first], quad[first + 2], quad[(first + 3) & 3]};
+  }
+
+  const VoxelImage& image_;
+  const Layout layout_;
+  std::vector<Index> first_vertex_;  // per brick
+};
 
 }  // namespace
 
@@ -126,54 +337,19 @@ void make_well_composed(VoxelImage& image, Progress& progress) {
   }
 }
 
-SurfaceMesh boundary_of(const VoxelImage& image, const VoxelLattice& lattice, Progress& progress) {
-  const Index bricks = image.bricks.size();
-  std::vector<BrickMask> corners(static_cast<std::size_t>(bricks));
-  std::vector<Index> corner_count(corners.size()), square_count(corners.size());
-  parallel_for_each(bricks, kGrain, progress, [&](Index brick) {
-    corners[brick] = corners_of(image, brick);
-    corner_count[brick] = count_bits(corners[brick]);
-    square_count[brick] = squares_of(image, brick).count();
-  });
-  const std::vector<Index> first_vertex = running_sums(std::move(corner_count));
-  const std::vector<Index> first_square = running_sums(std::move(square_count));
-
-  const auto vertex_at = [&](Index brick, const Voxel& corner) {
-    const Voxel holder = BrickIndex::brick_of(corner);
-    const Index at = holder == image.bricks.brick(brick) ? brick : image.bricks.find(holder);
-    const BrickMask before = (BrickMask{1} << BrickIndex::offset_of(corner)) - 1;
-    return first_vertex[at] + count_bits(corners[at] & before);
-  };
-  std::vector<Vec3> position(static_cast<std::size_t>(first_vertex.back()));
-  std::vector<Triangle> triangles(2 * static_cast<std::size_t>(first_square.back()));
-  parallel_for_each(bricks, kGrain, progress, [&](Index brick) {
-    const Voxel here = image.bricks.brick(brick);
-    Index vertex = first_vertex[brick];
-    for_each_bit(corners[brick], [&](Index offset) {
-      position[vertex++] = lattice.corner_of(BrickIndex::voxel_in(here, offset));
-    });
-    const Squares squares = squares_of(image, brick);
-    std::size_t triangle = 2 * static_cast<std::size_t>(first_square[brick]);
+std::vector<Index> euler_characteristics(const VoxelImage& image, Progress& progress) {
+  std::vector<Index> result(static_cast<std::size_t>(image.bricks.size()));
+  // Each square has four edges, of which each is one of two squares: V - E + F = V - F.
+  parallel_for_each(image.bricks.size(), kGrain, progress, [&](Index brick) {
+    result[brick] = count_bits(corners_of(image, brick));
     for (int axis = 0; axis < 3; ++axis)
-      for_each_bit(squares.between[axis], [&](Index offset) {
-        const Voxel v = BrickIndex::voxel_in(here, offset);
-        const int u = (axis + 1) % 3, w = (axis + 2) % 3;
-        Index quad[4];
-        for (int k = 0; k < 4; ++k) {
-          Voxel corner = v;
-          ++corner[axis];
-          corner[u] += k == 1 || k == 2;
-          corner[w] += k >= 2;
-          quad[k] = vertex_at(brick, corner);
-        }
-        if (!(image.mask[brick] >> offset & 1)) std::swap(quad[1], quad[3]);
-        const int first = (v[0] + v[1] + v[2]) & 1;  // alternate the diagonals
-        triangles[triangle++] = {quad[first], quad[first + 1], quad[first + 2]};
-        triangles[triangle++] = {quad[first], quad[first + 2], quad[(first + 3) & 3]};
-      });
+      result[brick] -= count_bits(squares_along(image, brick, axis));
   });
-  if (triangles.empty()) return SurfaceMesh();
-  return SurfaceMesh::from_triangles(std::move(position), triangles, progress);
+  return result;
+}
+
+SurfaceMesh boundary_of(const VoxelImage& image, const VoxelLattice& lattice, Progress& progress) {
+  return Boundary(image, progress).mesh(lattice, progress);
 }
 
 }  // namespace shrinkwrap

@@ -100,6 +100,9 @@ class VoxelImage {
  public:
   BrickIndex bricks;
   std::vector<BrickMask> mask;  ///< per brick
+  /// Per brick: made of blocks of 2 x 2 x 2 voxels, from even coordinates on, that were one voxel
+  /// each. Those beyond the end are not; empty: none is.
+  std::vector<char> in_blocks;
 
   /// The index of a brick, which is empty if it is new.
   Index add(const Voxel& brick) {
@@ -121,14 +124,12 @@ class VoxelImage {
   }
   /// The mask of a brick, seen from a known one beside it.
   BrickMask mask_beside(Index known, const Voxel& brick) const {
-    const Index index = bricks.find(brick);
-    if (index != kNone) return mask[index];
-    return mask[known] == kAllSolid ? kAllSolid : 0;
+    return mask_beside(mask, known, brick);
   }
 
   /// States of the 8 voxels v + (k & 1, k >> 1 & 1, k >> 2) for every voxel v of a brick.
   std::array<BrickMask, 8> states_ahead(Index brick) const {
-    std::array<BrickMask, 8> state = masks_around(brick, 0);
+    std::array<BrickMask, 8> state = masks_around(mask, brick, 0);
     for (int axis = 0; axis < 3; ++axis)
       for (int k = 0; k < 8; ++k)
         if (!(k >> axis & 1))
@@ -137,8 +138,10 @@ class VoxelImage {
   }
   /// States of the 8 voxels v - (1, 1, 1) + (k & 1, k >> 1 & 1, k >> 2): those around the lowest
   /// corner of v.
-  std::array<BrickMask, 8> states_behind(Index brick) const {
-    std::array<BrickMask, 8> state = masks_around(brick, -1);
+  std::array<BrickMask, 8> states_behind(Index brick) const { return states_behind(mask, brick); }
+  /// The same of what other masks say of the voxels.
+  std::array<BrickMask, 8> states_behind(const std::vector<BrickMask>& masks, Index brick) const {
+    std::array<BrickMask, 8> state = masks_around(masks, brick, -1);
     for (int axis = 0; axis < 3; ++axis)
       for (int k = 0; k < 8; ++k)
         if (!(k >> axis & 1)) state[k] = state_behind(axis, state[k | 1 << axis], state[k]);
@@ -146,13 +149,20 @@ class VoxelImage {
   }
 
  private:
-  std::array<BrickMask, 8> masks_around(Index brick, Index begin) const {
-    std::array<BrickMask, 8> masks;
+  BrickMask mask_beside(const std::vector<BrickMask>& masks, Index known,
+                        const Voxel& brick) const {
+    const Index index = bricks.find(brick);
+    if (index != kNone) return masks[index];
+    return masks[known] == kAllSolid ? kAllSolid : 0;
+  }
+  std::array<BrickMask, 8> masks_around(const std::vector<BrickMask>& masks, Index brick,
+                                        Index begin) const {
+    std::array<BrickMask, 8> around;
     for (int k = 0; k < 8; ++k)
-      masks[k] =
-          mask_beside(brick, bricks.brick(brick) +
-                                 Voxel{begin + (k & 1), begin + (k >> 1 & 1), begin + (k >> 2)});
-    return masks;
+      around[k] = mask_beside(
+          masks, brick,
+          bricks.brick(brick) + Voxel{begin + (k & 1), begin + (k >> 1 & 1), begin + (k >> 2)});
+    return around;
   }
 };
 

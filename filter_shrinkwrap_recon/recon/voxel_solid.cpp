@@ -64,7 +64,8 @@ struct SampleBins {
   float greatest_reach = 0.0f;
 };
 
-SampleBins bin_samples(const PointCloud& cloud, const VoxelLattice& lattice,
+// Samples count as at least `least_spacing` (x median) apart.
+SampleBins bin_samples(const PointCloud& cloud, const VoxelLattice& lattice, double least_spacing,
                        const InitialMeshOptions& options, Progress& progress) {
   SampleBins bins;
   std::vector<Voxel> brick(cloud.position.size());
@@ -92,7 +93,7 @@ SampleBins bin_samples(const PointCloud& cloud, const VoxelLattice& lattice,
 
   bins.plane.resize(cloud.position.size());
   parallel_for_each(cloud.size(), kSampleGrain, progress, [&](Index i) {
-    const double spacing = std::clamp<double>(cloud.local_spacing[i], cloud.spacing,
+    const double spacing = std::clamp<double>(cloud.local_spacing[i], least_spacing * cloud.spacing,
                                               kGreatestSpacing * cloud.spacing) /
                            lattice.size;
     const Voxel& holder = brick[i];
@@ -113,8 +114,8 @@ SampleBins bin_samples(const PointCloud& cloud, const VoxelLattice& lattice,
 class Classification {
  public:
   Classification(const PointCloud& cloud, const WindingNumber& winding,
-                 const InitialMeshOptions& options)
-      : cloud_(cloud), winding_(winding), options_(options) {}
+                 const InitialMeshOptions& options, VoxelSolid solid = {})
+      : cloud_(cloud), winding_(winding), options_(options), solid_(std::move(solid)) {}
 
   VoxelSolid run(Progress& progress) {
     progress.set_range(0.0, 0.1);
@@ -125,6 +126,14 @@ class Classification {
     progress.set_range(0.5, 0.6);
     follow_level_set(progress);
     solid_.near_samples.resize(solid_.image.mask.size(), 0);
+    return std::move(solid_);
+  }
+
+  // Only of some bricks.
+  VoxelSolid run(const std::vector<Index>& bricks, double least_spacing, Progress& progress) {
+    const SampleBins bins = bin_samples(cloud_, solid_.lattice, least_spacing, options_, progress);
+    parallel_for_each(static_cast<Index>(bricks.size()), kBrickGrain, progress,
+                      [&](Index i) { classify(bricks[i], bins); });
     return std::move(solid_);
   }
 
@@ -144,7 +153,7 @@ class Classification {
     const Box box = bounding_box(cloud_.position);
     for (double size = options_.voxel_size * cloud_.spacing;; size = 2.0 * solid_.lattice.size) {
       solid_.lattice = lattice_over(box, size);
-      SampleBins bins = bin_samples(cloud_, solid_.lattice, options_, progress);
+      SampleBins bins = bin_samples(cloud_, solid_.lattice, 1.0, options_, progress);
       const std::vector<std::uint64_t> bricks = bricks_in_reach(bins, progress);
       if (bricks.size() > most) continue;
       for (const std::uint64_t key : bricks) solid_.image.add(brick_of_key(key));
@@ -396,6 +405,13 @@ class Classification {
 VoxelSolid make_voxel_solid(const PointCloud& cloud, const WindingNumber& winding,
                             const InitialMeshOptions& options, Progress& progress) {
   return Classification(cloud, winding, options).run(progress);
+}
+
+void classify_bricks(VoxelSolid& solid, const std::vector<Index>& bricks, double least_spacing,
+                     const PointCloud& cloud, const WindingNumber& winding,
+                     const InitialMeshOptions& options, Progress& progress) {
+  solid = Classification(cloud, winding, options, std::move(solid))
+              .run(bricks, least_spacing, progress);
 }
 
 }  // namespace shrinkwrap

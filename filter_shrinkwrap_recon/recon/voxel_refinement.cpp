@@ -1,0 +1,296 @@
+#include "voxel_refinement.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "parallel.h"
+#include "voxel_boundary.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr Index kGrain = 1 << 11;
+constexpr int kAveraged = 8;  // neighbours whose spacings are averaged
+// Samples of the other side of a thin wall are no reason to call it dense.
+constexpr float kSameSide = 0.2f;
+constexpr double kSmallerVoxels = 0.5;
+constexpr Index kLeastSamples = 30;  // of a part
+// Vertices of the boundary of a body or cavity: with fewer it is none.
+constexpr Index kCrumb = 30;
+constexpr double kDepth = 1.5;  // x spacing
+constexpr double kNearlyAll = 0.995;
+
+Voxel around(const Voxel& brick, Index k) {  // k of 27
+  return brick + Voxel{k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+}
+
+bool is_uniform(BrickMask mask) {
+  return mask == 0 || mask == kAllSolid;
+}
+
+// The mask of an octant of a brick whose voxels are cut in eight.
+BrickMask halved(BrickMask mask, Index octant) {
+  const auto half = [&](Index voxel, Index bit) { return (voxel >> 1) + 2 * (octant >> bit & 1); };
+  BrickMask result = 0;
+  for (Index offset = 0; offset < BrickIndex::kVoxels; ++offset) {
+    const Voxel of{half(offset & 3, 0), half(offset >> 2 & 3, 1), half(offset >> 4, 2)};
+    result |= (mask >> BrickIndex::offset_of(of) & 1) << offset;
+  }
+  return result;
+}
+
+class Refinement {
+ public:
+  Refinement(VoxelSolid& solid, const PointCloud& cloud, const WindingNumber& winding,
+             const InitialMeshOptions& options)
+      : solid_(solid), cloud_(cloud), winding_(winding), options_(options) {}
+
+  Index run(Progress& progress) {
+    mark_dense_parts(progress);
+    if (parts_ == 0) return 0;
+    make_well_composed(solid_.image, progress);
+    solid_.near_samples.resize(solid_.image.mask.size(), 0);
+    part_.resize(solid_.image.mask.size(), kNone);
+
+    VoxelSolid halves = in_halves();
+    std::vector<Index> dense;  // bricks of halves
+    for (Index brick = 0; brick < halves.image.bricks.size(); ++brick)
+      if (part_of(halves.image.bricks.brick(brick)) != kNone) dense.push_back(brick);
+    VoxelSolid refined = halves;
+    classify_bricks(refined, dense, kSmallerVoxels, cloud_, winding_, options_, progress);
+
+    const std::vector<Index> before = euler_by_part(halves, progress),
+                             after = euler_by_part(refined, progress);
+    const std::vector<char> is_sound = sound_parts(refined);
+    const auto is_better = [&](Index part) {
+      return after[part] >= before[part] || is_sound[part];
+    };
+    Index taken = 0;
+    for (Index part = 0; part < parts_; ++part) taken += is_better(part);
+    if (taken == 0) return 0;
+    halves.image.in_blocks.assign(halves.image.mask.size(), 1);
+    for (const Index brick : dense) {
+      if (!is_better(part_of(halves.image.bricks.brick(brick)))) continue;
+      halves.image.mask[brick] = refined.image.mask[brick];
+      halves.near_samples[brick] = refined.near_samples[brick];
+      halves.image.in_blocks[brick] = 0;
+    }
+    solid_ = std::move(halves);
+    return taken;
+  }
+
+ private:
+  // Spacing among the samples of its own side.
+  double own_spacing(Index sample) const {
+    const Index* list = cloud_.neighbours_of(sample);
+    int same_side = 0;
+    for (int e = 1; e < cloud_.neighbour_count; ++e)
+      same_side += cloud_.normal[list[e]].dot(cloud_.normal[sample]) > kSameSide;
+    const double others = cloud_.neighbour_count - 1;
+    return cloud_.local_spacing[sample] * std::sqrt(others / std::max(same_side, 1));
+  }
+
+  std::vector<Index> dense_samples(Progress& progress) const {
+    std::vector<float> spacing(cloud_.position.size());
+    parallel_for_each(cloud_.size(), kGrain, progress,
+                      [&](Index i) { spacing[i] = static_cast<float>(own_spacing(i)); });
+    const int averaged = std::min(kAveraged, cloud_.neighbour_count);
+    const double most = averaged * options_.dense_spacing * cloud_.spacing;
+    return parallel_collect<Index>(cloud_.size(), kGrain, progress,
+                                   [&](Index begin, Index end, std::vector<Index>& dense) {
+                                     for (Index i = begin; i < end; ++i) {
+                                       double sum = 0.0;
+                                       for (int e = 0; e < averaged; ++e)
+                                         sum += spacing[cloud_.neighbours_of(i)[e]];
+                                       if (sum < most) dense.push_back(i);
+                                     }
+                                   });
+  }
+
+  // Finds the bricks that dense samples reach, and numbers the sets of them that touch each other.
+  void mark_dense_parts(Progress& progress) {
+    dense_ = dense_samples(progress);
+    if (static_cast<Index>(dense_.size()) < kLeastSamples) return;
+    const BrickIndex& bricks = solid_.image.bricks;
+    const Vec3 reach = Vec3::Constant(options_.blend_end * cloud_.spacing);
+    const auto brick_at = [&](const Vec3& p) {
+      return BrickIndex::brick_of(solid_.lattice.voxel_of(p));
+    };
+    const std::vector<Index> reached = parallel_collect<Index>(
+        static_cast<Index>(dense_.size()), kGrain, progress,
+        [&](Index begin, Index end, std::vector<Index>& found) {
+          Voxel last_low{}, last_high{};
+          for (Index i = begin; i < end; ++i) {
+            const Vec3& p = cloud_.position[dense_[i]];
+            const Voxel low = brick_at(p - reach), high = brick_at(p + reach);
+            if (i > begin && low == last_low && high == last_high) continue;
+            last_low = low;
+            last_high = high;
+            for (Index z = low[2]; z <= high[2]; ++z)
+              for (Index y = low[1]; y <= high[1]; ++y)
+                for (Index x = low[0]; x <= high[0]; ++x) {
+                  const Index brick = bricks.find({x, y, z});
+                  if (brick != kNone) found.push_back(brick);
+                }
+          }
+        });
+    constexpr Index kUnnumbered = -2;
+    part_.assign(solid_.image.mask.size(), kNone);
+    for (const Index brick : reached) part_[brick] = kUnnumbered;
+    for (const Index first : reached) {
+      if (part_[first] != kUnnumbered) continue;
+      part_[first] = parts_;
+      for (std::vector<Index> front = {first}; !front.empty();) {
+        const Voxel at = bricks.brick(front.back());
+        front.pop_back();
+        for (Index k = 0; k < 27; ++k) {
+          const Index beside = bricks.find(around(at, k));
+          if (beside == kNone || part_[beside] != kUnnumbered) continue;
+          part_[beside] = parts_;
+          front.push_back(beside);
+        }
+      }
+      ++parts_;
+    }
+    leave_out_small_parts();
+  }
+
+  // Parts of few dense samples are chance.
+  void leave_out_small_parts() {
+    std::vector<Index> samples(static_cast<std::size_t>(parts_), 0);
+    for (const Index i : dense_) ++samples[part_at(cloud_.position[i])];
+    std::vector<Index> number(samples.size(), kNone);
+    parts_ = 0;
+    for (std::size_t part = 0; part < samples.size(); ++part)
+      if (samples[part] >= kLeastSamples) number[part] = parts_++;
+    for (Index& part : part_)
+      if (part != kNone) part = number[part];
+  }
+
+  // The part that holds a brick of half the size.
+  Index part_of(const Voxel& half) const {
+    const Index brick = solid_.image.bricks.find(whole_of(half));
+    return brick == kNone ? kNone : part_[brick];
+  }
+  static Voxel whole_of(const Voxel& half) { return {half[0] >> 1, half[1] >> 1, half[2] >> 1}; }
+
+  // The same solid with voxels of half the size; of the bricks those in which something happens,
+  // or may when they are refined, and all that touch these.
+  VoxelSolid in_halves() const {
+    VoxelSolid halves;
+    halves.lattice = solid_.lattice;
+    halves.lattice.size *= 0.5;
+    const VoxelImage& image = solid_.image;
+    for (Index brick = 0; brick < image.bricks.size(); ++brick) {
+      if (!may_change_within(brick)) continue;
+      const Voxel& at = image.bricks.brick(brick);
+      for (Index k = 0; k < 64; ++k) {
+        const Voxel half{2 * at[0] + (k & 3) - 1, 2 * at[1] + (k >> 2 & 3) - 1,
+                         2 * at[2] + (k >> 4) - 1};
+        const Index index = halves.image.bricks.find(half);
+        if (index != kNone) continue;
+        const Index octant = (half[0] & 1) | (half[1] & 1) << 1 | (half[2] & 1) << 2;
+        const Voxel whole = whole_of(half);
+        halves.image.add(half);
+        halves.image.mask.back() = halved(image.mask_beside(brick, whole), octant);
+        const Index known = image.bricks.find(whole);
+        halves.near_samples.push_back(known == kNone ? 0
+                                                     : halved(solid_.near_samples[known], octant));
+      }
+    }
+    return halves;
+  }
+  bool may_change_within(Index brick) const {
+    const VoxelImage& image = solid_.image;
+    if (part_[brick] != kNone || !is_uniform(image.mask[brick])) return true;
+    for (Index k = 0; k < 27; ++k)
+      if (image.mask_beside(brick, around(image.bricks.brick(brick), k)) != image.mask[brick])
+        return true;
+    return false;
+  }
+
+  // Euler characteristic of the boundary in and beside each part, without crumbs, which would make
+  // up for handles. Parts are at least two bricks of half the size apart, so that none of these is
+  // beside two of them.
+  std::vector<Index> euler_by_part(const VoxelSolid& halves, Progress& progress) const {
+    VoxelImage image = halves.image;
+    image.in_blocks.resize(image.mask.size());
+    for (Index brick = 0; brick < image.bricks.size(); ++brick)
+      image.in_blocks[brick] = part_of(image.bricks.brick(brick)) == kNone;
+    make_well_composed(image, progress);
+    std::vector<Index> result(static_cast<std::size_t>(parts_), 0);
+    const std::vector<Index> of_brick = euler_characteristics(image, progress);
+    for (Index brick = 0; brick < image.bricks.size(); ++brick) {
+      if (of_brick[brick] == 0) continue;
+      const Index part = part_beside(image.bricks.brick(brick));
+      if (part != kNone) result[part] += of_brick[brick];
+    }
+    const SurfaceMesh mesh = boundary_of(image, halves.lattice, progress);
+    const MeshComponents components = connected_components(mesh, progress);
+    std::vector<Index> size(static_cast<std::size_t>(components.count), 0);
+    for (Index v = 0; v < mesh.vertex_slots(); ++v) ++size[components.of_vertex[v]];
+    for (Index v = 0; v < mesh.vertex_slots(); ++v) {
+      Index& vertices = size[components.of_vertex[v]];
+      if (vertices == 0 || vertices >= kCrumb) continue;
+      vertices = 0;  // done
+      const Index part = part_beside(BrickIndex::brick_of(
+          halves.lattice.voxel_of(mesh.position[v] + Vec3::Constant(0.5 * halves.lattice.size))));
+      if (part != kNone) result[part] -= 2;
+    }
+    return result;
+  }
+
+  // Parts of a solid with voxels of half the size of which nearly all dense samples have solid
+  // behind and nothing before them: what handles it shows are the object's.
+  std::vector<char> sound_parts(const VoxelSolid& refined) const {
+    struct Evidence {
+      Index samples = 0, solid_behind = 0, empty_before = 0;
+    };
+    std::vector<Evidence> evidence(static_cast<std::size_t>(parts_));
+    for (const Index i : dense_) {
+      const Index part = part_at(cloud_.position[i]);
+      if (part == kNone) continue;
+      const double spacing =
+          std::max<double>(cloud_.local_spacing[i], kSmallerVoxels * cloud_.spacing);
+      const Vec3 depth = kDepth * spacing * cloud_.normal[i].cast<double>();
+      ++evidence[part].samples;
+      evidence[part].solid_behind += refined.contains(cloud_.position[i] - depth);
+      evidence[part].empty_before += !refined.contains(cloud_.position[i] + depth);
+    }
+    std::vector<char> is_sound;
+    for (const Evidence& of : evidence)
+      is_sound.push_back(std::min(of.solid_behind, of.empty_before) >= kNearlyAll * of.samples);
+    return is_sound;
+  }
+
+  // The part that holds a point.
+  Index part_at(const Vec3& p) const {
+    const Index brick = solid_.image.bricks.find(BrickIndex::brick_of(solid_.lattice.voxel_of(p)));
+    return brick == kNone ? kNone : part_[brick];
+  }
+  Index part_beside(const Voxel& half) const {
+    for (Index k = 0; k < 27; ++k) {
+      const Index part = part_of(around(half, k));
+      if (part != kNone) return part;
+    }
+    return kNone;
+  }
+
+  VoxelSolid& solid_;
+  const PointCloud& cloud_;
+  const WindingNumber& winding_;
+  const InitialMeshOptions& options_;
+  std::vector<Index> dense_;  // samples
+  std::vector<Index> part_;   // per brick of the solid; kNone: not dense
+  Index parts_ = 0;
+};
+
+}  // namespace
+
+Index refine_dense_parts(VoxelSolid& solid, const PointCloud& cloud, const WindingNumber& winding,
+                         const InitialMeshOptions& options, Progress& progress) {
+  if (options.dense_spacing <= 0.0) return 0;
+  return Refinement(solid, cloud, winding, options).run(progress);
+}
+
+}  // namespace shrinkwrap

@@ -1,0 +1,205 @@
+// Smaller voxels where samples are dense, and the boundary of voxels of two sizes.
+#include "voxel_refinement.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "expect_mesh.h"
+#include "initial_mesh.h"
+#include "orientation.h"
+#include "reconstruct.h"
+#include "shapes.h"
+#include "voxel_boundary.h"
+
+namespace shrinkwrap::testing {
+namespace {
+
+PointCloud prepare(const std::vector<Vec3>& points) {
+  Progress silent;
+  PointCloud cloud = prepare_samples(points, {}, silent);
+  orient_normals(cloud, {}, silent);
+  return cloud;
+}
+
+InitialMesh initial_mesh_of(const PointCloud& cloud, double dense_spacing) {
+  Progress silent;
+  InitialMeshOptions options;
+  options.dense_spacing = dense_spacing;
+  return make_initial_mesh(cloud, options, silent);
+}
+
+constexpr double kDefault = InitialMeshOptions().dense_spacing;
+constexpr double kNever = 0.0;
+
+void add_ball(std::vector<Vec3>& points, const Vec3& centre, double radius, Index count,
+              unsigned seed) {
+  for (const Vec3& p : sample_shape_blue_noise(ShapeKind::sphere, count, seed))
+    points.push_back(centre + radius * p);
+}
+
+// A large ball, and beside it two small ones, sampled three times as densely, that are apart by
+// less than two of their own spacings, which is half of the large one's.
+std::vector<Vec3> balls() {
+  std::vector<Vec3> points;
+  add_ball(points, Vec3::Zero(), 1.0, 4000, 1);
+  add_ball(points, {1.6, 0.115, 0.0}, 0.1, 400, 2);
+  add_ball(points, {1.6, -0.115, 0.0}, 0.1, 400, 3);
+  return points;
+}
+
+// A large ball, and beside it a small torus, sampled four times as densely, whose hole is as wide
+// as two and a half spacings of the ball; with noise, x spacing of the torus.
+std::vector<Vec3> ball_and_torus(double noise) {
+  std::vector<Vec3> points;
+  add_ball(points, Vec3::Zero(), 1.0, 4000, 1);
+  Random random(3);
+  for (const Vec3& p : sample_shape_blue_noise(ShapeKind::torus, 600, 2)) {
+    Vec3 moved = Vec3(1.6, 0.0, 0.0) + 0.14 * p;
+    for (int axis = 0; axis < 3; ++axis) moved[axis] += 0.0154 * noise * random.gaussian();
+    points.push_back(moved);
+  }
+  return points;
+}
+
+TEST(VoxelRefinement, KeepsDensePartsApart) {
+  const PointCloud cloud = prepare(balls());
+  const InitialMesh coarse = initial_mesh_of(cloud, kNever);
+  EXPECT_EQ(coarse.report.refined_parts, 0);
+  EXPECT_EQ(coarse.report.components, 2) << "the test is of no use";
+  const InitialMesh mesh = initial_mesh_of(cloud, kDefault);
+  EXPECT_EQ(mesh.report.refined_parts, 1);
+  EXPECT_EQ(mesh.report.components, 3);
+  expect_closed_manifold(mesh.mesh, 3, 0);
+  // Where nothing is dense the mesh is not finer.
+  const auto of_large_ball = [](const InitialMesh& initial, const PointCloud& samples) {
+    return std::count_if(initial.mesh.position.begin(), initial.mesh.position.end(),
+                         [&](const Vec3& p) {
+                           return (p - samples.frame.to_unit(Vec3::Zero())).norm() <
+                                  samples.frame.to_unit(Vec3(1.2, 0, 0)).norm();
+                         });
+  };
+  EXPECT_NEAR(of_large_ball(mesh, cloud), of_large_ball(coarse, cloud),
+              0.01 * coarse.mesh.vertex_count());
+}
+
+TEST(VoxelRefinement, LeavesEvenCloudsAlone) {
+  for (const ShapeKind kind : {ShapeKind::double_torus, ShapeKind::thin_plate, ShapeKind::blob}) {
+    SCOPED_TRACE(shape_of(kind).name);
+    const PointCloud cloud = prepare(sample_shape(kind, 8000, 4));
+    const InitialMesh mesh = initial_mesh_of(cloud, kDefault);
+    EXPECT_EQ(mesh.report.refined_parts, 0);
+    expect_same_mesh(mesh.mesh, initial_mesh_of(cloud, kNever).mesh);
+  }
+}
+
+TEST(VoxelRefinement, ShowsHandlesThatTheSamplesShow) {
+  const PointCloud cloud = prepare(ball_and_torus(0.0));
+  EXPECT_EQ(initial_mesh_of(cloud, kNever).report.genus, 0) << "the test is of no use";
+  const InitialMesh mesh = initial_mesh_of(cloud, kDefault);
+  EXPECT_EQ(mesh.report.refined_parts, 1);
+  expect_closed_manifold(mesh.mesh, 2, 1);
+}
+
+TEST(VoxelRefinement, LeavesPartsWhoseHandlesTheSamplesDoNotShow) {
+  const PointCloud cloud = prepare(ball_and_torus(0.5));
+  const WindingNumber winding(cloud);
+  Progress silent;
+  VoxelSolid solid = make_voxel_solid(cloud, winding, {}, silent);
+  make_well_composed(solid.image, silent);
+  const VoxelSolid before = solid;
+  EXPECT_EQ(refine_dense_parts(solid, cloud, winding, {}, silent), 0);
+  EXPECT_EQ(solid.lattice.size, before.lattice.size);
+  EXPECT_EQ(solid.image.mask, before.image.mask);
+  EXPECT_TRUE(solid.image.in_blocks.empty());
+  expect_closed_manifold(initial_mesh_of(cloud, kDefault).mesh, 2, 0);
+}
+
+// The boundary with large squares is that without, with fewer vertices.
+TEST(VoxelBoundary, OfTwoSizesIsThatOfTheSmaller) {
+  const PointCloud cloud = prepare(balls());
+  const WindingNumber winding(cloud);
+  Progress silent;
+  VoxelSolid solid = make_voxel_solid(cloud, winding, {}, silent);
+  const double whole = solid.lattice.size;
+  ASSERT_EQ(refine_dense_parts(solid, cloud, winding, {}, silent), 1);
+  EXPECT_EQ(solid.lattice.size, 0.5 * whole);
+  make_well_composed(solid.image, silent);
+  ASSERT_FALSE(solid.image.in_blocks.empty());
+  // Blocks beside single voxels on all sides, and within the surface.
+  Random random(6);
+  for (int step = 0; step < 4; ++step) {
+    const SurfaceMesh mesh = boundary_of(solid.image, solid.lattice, silent);
+    VoxelImage fine = solid.image;
+    fine.in_blocks.clear();
+    const SurfaceMesh all = boundary_of(fine, solid.lattice, silent);
+    expect_closed_manifold(mesh, 3, 0);
+    expect_closed_manifold(all, 3, 0);
+    EXPECT_LT(mesh.vertex_count(), step == 0 ? all.vertex_count() / 2 : all.vertex_count());
+    EXPECT_NEAR(signed_volume(mesh), signed_volume(all), 1e-12 * signed_volume(all));
+    const auto before = [](const Vec3& a, const Vec3& b) {
+      return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+    };
+    const std::set<Vec3, decltype(before)> corners(all.position.begin(), all.position.end(),
+                                                   before);
+    for (const Vec3& p : mesh.position) EXPECT_TRUE(corners.count(p)) << p.transpose();
+    // No triangle has no area, and none cuts a corner: all lie in planes between voxels.
+    for (Index f = 0; f < mesh.face_slots(); ++f) {
+      const Vec3 area = mesh.area_vector(f) / (solid.lattice.size * solid.lattice.size);
+      EXPECT_GT(area.norm(), 0.4);
+      EXPECT_LT(area.norm(), 4.1);
+      EXPECT_NEAR(area.cwiseAbs().maxCoeff(), area.norm(), 1e-9);
+    }
+    for (char& in_blocks : solid.image.in_blocks) in_blocks &= random.uniform() < 0.6;
+  }
+}
+
+TEST(VoxelBoundary, EulerCharacteristicIsTheSumOverBricks) {
+  const PointCloud cloud = prepare(sample_shape_blue_noise(ShapeKind::double_torus, 4000, 7));
+  Progress silent;
+  VoxelSolid solid = make_voxel_solid(cloud, WindingNumber(cloud), {}, silent);
+  make_well_composed(solid.image, silent);
+  Index sum = 0;
+  for (const Index part : euler_characteristics(solid.image, silent)) sum += part;
+  EXPECT_EQ(sum, -2);
+  EXPECT_EQ(boundary_of(solid.image, solid.lattice, silent).euler_characteristic(), -2);
+}
+
+TEST(VoxelRefinement, IsTheSameForAnyNumberOfThreads) {
+  const PointCloud cloud = prepare(balls());
+  const auto with_threads = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return initial_mesh_of(cloud, kDefault).mesh;
+  };
+  expect_same_mesh(with_threads(1), with_threads(2));
+}
+
+TEST(Reconstruction, OfDensePartsKeepsThemApart) {
+  Progress silent;
+  const std::vector<Vec3> points = balls();
+  const Reconstruction result = reconstruct(points, {}, silent);
+  EXPECT_EQ(result.initial_mesh.refined_parts, 1);
+  EXPECT_EQ(result.report.components, 3);
+  EXPECT_EQ(result.report.genus, 0);
+  EXPECT_EQ(result.report.self_intersecting_faces, 0);
+  EXPECT_TRUE(result.report.complete_matching());
+}
+
+// Smaller voxels would show the noise.
+TEST(Reconstruction, OfNoisyCloudsHasNoSmallerVoxels) {
+  Progress silent;
+  std::vector<Vec3> points = balls();
+  Random random(8);
+  for (Vec3& p : points)
+    for (int axis = 0; axis < 3; ++axis)
+      p[axis] += (p.x() > 1.2 ? 0.009 : 0.028) * random.gaussian();
+  const Reconstruction result = reconstruct(points, {}, silent);
+  EXPECT_GT(result.noise, NoiseOptions().high);
+  EXPECT_EQ(result.initial_mesh.refined_parts, 0);
+}
+
+}  // namespace
+}  // namespace shrinkwrap::testing
