@@ -19,6 +19,8 @@ constexpr Index kLeastSamples = 30;  // of a part
 constexpr Index kCrumb = 30;
 constexpr double kDepth = 1.5;  // x spacing
 constexpr double kNearlyAll = 0.995;
+// Handles that show between fewer samples are gaps between these.
+constexpr Index kSamplesPerHandle = 100;
 
 Voxel around(const Voxel& brick, Index k) {  // k of 27
   return brick + Voxel{k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
@@ -61,9 +63,9 @@ class Refinement {
 
     const std::vector<Index> before = euler_by_part(halves, progress),
                              after = euler_by_part(refined, progress);
-    const std::vector<char> is_sound = sound_parts(refined);
+    const std::vector<Index> samples = samples_of_sound_parts(refined);
     const auto is_better = [&](Index part) {
-      return after[part] >= before[part] || is_sound[part];
+      return samples[part] >= kSamplesPerHandle * (before[part] - after[part]) / 2;
     };
     Index taken = 0;
     for (Index part = 0; part < parts_; ++part) taken += is_better(part);
@@ -240,9 +242,9 @@ class Refinement {
     return result;
   }
 
-  // Parts of a solid with voxels of half the size of which nearly all dense samples have solid
-  // behind and nothing before them: what handles it shows are the object's.
-  std::vector<char> sound_parts(const VoxelSolid& refined) const {
+  // Dense samples of each part of a solid with voxels of half the size, if nearly all of them have
+  // solid behind and nothing before them; otherwise none.
+  std::vector<Index> samples_of_sound_parts(const VoxelSolid& refined) const {
     struct Evidence {
       Index samples = 0, solid_behind = 0, empty_before = 0;
     };
@@ -257,10 +259,12 @@ class Refinement {
       evidence[part].solid_behind += refined.contains(cloud_.position[i] - depth);
       evidence[part].empty_before += !refined.contains(cloud_.position[i] + depth);
     }
-    std::vector<char> is_sound;
-    for (const Evidence& of : evidence)
-      is_sound.push_back(std::min(of.solid_behind, of.empty_before) >= kNearlyAll * of.samples);
-    return is_sound;
+    std::vector<Index> result;
+    for (const Evidence& of : evidence) {
+      const bool is_sound = std::min(of.solid_behind, of.empty_before) >= kNearlyAll * of.samples;
+      result.push_back(is_sound ? of.samples : 0);
+    }
+    return result;
   }
 
   // The part that holds a point.
