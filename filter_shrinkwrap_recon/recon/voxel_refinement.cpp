@@ -10,15 +10,13 @@ namespace shrinkwrap {
 namespace {
 
 constexpr Index kGrain = 1 << 11;
-constexpr int kAveraged = 8;  // neighbours whose spacings are averaged
 // Samples of the other side of a thin wall are no reason to call it dense.
 constexpr float kSameSide = 0.2f;
 constexpr double kSmallerVoxels = 0.5;
-constexpr Index kLeastSamples = 30;  // of a part
-// Vertices of the boundary of a body or cavity: with fewer it is none.
-constexpr Index kCrumb = 30;
-constexpr double kDepth = 1.5;  // x spacing
-constexpr double kNearlyAll = 0.995;
+constexpr Index kLeastSamples = 50;  // of a part
+constexpr double kDepth = 1.5;       // x spacing
+// Parts of the dense samples that must agree with what smaller voxels show, and with more handles.
+constexpr double kMost = 0.97, kNearlyAll = 0.995;
 // Handles that show between fewer samples are gaps between these.
 constexpr Index kSamplesPerHandle = 100;
 
@@ -32,6 +30,7 @@ bool is_uniform(BrickMask mask) {
 
 // The mask of an octant of a brick whose voxels are cut in eight.
 BrickMask halved(BrickMask mask, Index octant) {
+  if (is_uniform(mask)) return mask;
   const auto half = [&](Index voxel, Index bit) { return (voxel >> 1) + 2 * (octant >> bit & 1); };
   BrickMask result = 0;
   for (Index offset = 0; offset < BrickIndex::kVoxels; ++offset) {
@@ -54,30 +53,24 @@ class Refinement {
     solid_.near_samples.resize(solid_.image.mask.size(), 0);
     part_.resize(solid_.image.mask.size(), kNone);
 
-    VoxelSolid halves = in_halves();
-    std::vector<Index> dense;  // bricks of halves
-    for (Index brick = 0; brick < halves.image.bricks.size(); ++brick)
-      if (part_of(halves.image.bricks.brick(brick)) != kNone) dense.push_back(brick);
-    VoxelSolid refined = halves;
-    classify_bricks(refined, dense, kSmallerVoxels, cloud_, winding_, options_, progress);
-
-    const std::vector<Index> before = euler_by_part(halves, progress),
-                             after = euler_by_part(refined, progress);
-    const std::vector<Index> samples = samples_of_sound_parts(refined);
-    const auto is_better = [&](Index part) {
-      return samples[part] >= kSamplesPerHandle * (before[part] - after[part]) / 2;
-    };
-    Index taken = 0;
-    for (Index part = 0; part < parts_; ++part) taken += is_better(part);
+    const VoxelSolid before = in_halves([&](Index brick) { return is_near_part(brick); });
+    VoxelSolid after = before;
+    classify_bricks(after, bricks_of_parts(before.image.bricks), kSmallerVoxels, cloud_, winding_,
+                    options_, progress);
+    const std::vector<char> is_better = better_parts(before, after, progress);
+    const Index taken = static_cast<Index>(std::count(is_better.begin(), is_better.end(), 1));
     if (taken == 0) return 0;
-    halves.image.in_blocks.assign(halves.image.mask.size(), 1);
-    for (const Index brick : dense) {
-      if (!is_better(part_of(halves.image.bricks.brick(brick)))) continue;
-      halves.image.mask[brick] = refined.image.mask[brick];
-      halves.near_samples[brick] = refined.near_samples[brick];
-      halves.image.in_blocks[brick] = 0;
+    VoxelSolid all = in_halves([](Index) { return true; });
+    all.image.in_blocks.assign(all.image.mask.size(), 1);
+    for (const Index brick : bricks_of_parts(all.image.bricks)) {
+      const Voxel& at = all.image.bricks.brick(brick);
+      if (!is_better[part_of(at)]) continue;
+      const Index refined = after.image.bricks.find(at);
+      all.image.mask[brick] = after.image.mask[refined];
+      all.near_samples[brick] = after.near_samples[refined];
+      all.image.in_blocks[brick] = 0;
     }
-    solid_ = std::move(halves);
+    solid_ = std::move(all);
     return taken;
   }
 
@@ -96,15 +89,22 @@ class Refinement {
     std::vector<float> spacing(cloud_.position.size());
     parallel_for_each(cloud_.size(), kGrain, progress,
                       [&](Index i) { spacing[i] = static_cast<float>(own_spacing(i)); });
-    const int averaged = std::min(kAveraged, cloud_.neighbour_count);
-    const double most = averaged * options_.dense_spacing * cloud_.spacing;
+    const auto mean = [&](Index sample) {
+      double sum = 0.0;
+      for (int e = 0; e < cloud_.neighbour_count; ++e)
+        sum += spacing[cloud_.neighbours_of(sample)[e]];
+      return sum / cloud_.neighbour_count;
+    };
+    const double most = options_.dense_spacing * cloud_.spacing;
+    // Of samples at random some 20 may happen to be close, but not all around them too.
     return parallel_collect<Index>(cloud_.size(), kGrain, progress,
                                    [&](Index begin, Index end, std::vector<Index>& dense) {
                                      for (Index i = begin; i < end; ++i) {
+                                       if (mean(i) >= most) continue;
                                        double sum = 0.0;
-                                       for (int e = 0; e < averaged; ++e)
-                                         sum += spacing[cloud_.neighbours_of(i)[e]];
-                                       if (sum < most) dense.push_back(i);
+                                       for (int e = 0; e < cloud_.neighbour_count; ++e)
+                                         sum += mean(cloud_.neighbours_of(i)[e]);
+                                       if (sum < most * cloud_.neighbour_count) dense.push_back(i);
                                      }
                                    });
   }
@@ -176,28 +176,41 @@ class Refinement {
   }
   static Voxel whole_of(const Voxel& half) { return {half[0] >> 1, half[1] >> 1, half[2] >> 1}; }
 
-  // The same solid with voxels of half the size; of the bricks those in which something happens,
-  // or may when they are refined, and all that touch these.
-  VoxelSolid in_halves() const {
+  bool is_near_part(Index brick) const {
+    for (Index k = 0; k < 27; ++k) {
+      const Index beside = solid_.image.bricks.find(around(solid_.image.bricks.brick(brick), k));
+      if (beside != kNone && part_[beside] != kNone) return true;
+    }
+    return false;
+  }
+  std::vector<Index> bricks_of_parts(const BrickIndex& halves) const {
+    std::vector<Index> result;
+    for (Index brick = 0; brick < halves.size(); ++brick)
+      if (part_of(halves.brick(brick)) != kNone) result.push_back(brick);
+    return result;
+  }
+
+  // The same solid with voxels of half the size: of the bricks that are wanted those in which
+  // something happens, or may when they are refined, and all that touch these.
+  template <class IsWanted>
+  VoxelSolid in_halves(const IsWanted& is_wanted) const {
     VoxelSolid halves;
     halves.lattice = solid_.lattice;
-    halves.lattice.size *= 0.5;
+    halves.lattice.size *= kSmallerVoxels;
     const VoxelImage& image = solid_.image;
     for (Index brick = 0; brick < image.bricks.size(); ++brick) {
-      if (!may_change_within(brick)) continue;
+      if (!may_change_within(brick) || !is_wanted(brick)) continue;
       const Voxel& at = image.bricks.brick(brick);
       for (Index k = 0; k < 64; ++k) {
         const Voxel half{2 * at[0] + (k & 3) - 1, 2 * at[1] + (k >> 2 & 3) - 1,
                          2 * at[2] + (k >> 4) - 1};
-        const Index index = halves.image.bricks.find(half);
-        if (index != kNone) continue;
+        const Index known = halves.image.bricks.size();
+        if (halves.image.add(half) != known) continue;
         const Index octant = (half[0] & 1) | (half[1] & 1) << 1 | (half[2] & 1) << 2;
         const Voxel whole = whole_of(half);
-        halves.image.add(half);
         halves.image.mask.back() = halved(image.mask_beside(brick, whole), octant);
-        const Index known = image.bricks.find(whole);
-        halves.near_samples.push_back(known == kNone ? 0
-                                                     : halved(solid_.near_samples[known], octant));
+        const Index of = image.bricks.find(whole);
+        halves.near_samples.push_back(of == kNone ? 0 : halved(solid_.near_samples[of], octant));
       }
     }
     return halves;
@@ -211,43 +224,48 @@ class Refinement {
     return false;
   }
 
-  // Euler characteristic of the boundary in and beside each part, without crumbs, which would make
-  // up for handles. Parts are at least two bricks of half the size apart, so that none of these is
-  // beside two of them.
-  std::vector<Index> euler_by_part(const VoxelSolid& halves, Progress& progress) const {
-    VoxelImage image = halves.image;
-    image.in_blocks.resize(image.mask.size());
-    for (Index brick = 0; brick < image.bricks.size(); ++brick)
-      image.in_blocks[brick] = part_of(image.bricks.brick(brick)) == kNone;
-    make_well_composed(image, progress);
-    std::vector<Index> result(static_cast<std::size_t>(parts_), 0);
-    const std::vector<Index> of_brick = euler_characteristics(image, progress);
-    for (Index brick = 0; brick < image.bricks.size(); ++brick) {
-      if (of_brick[brick] == 0) continue;
-      const Index part = part_beside(image.bricks.brick(brick));
-      if (part != kNone) result[part] += of_brick[brick];
-    }
-    const SurfaceMesh mesh = boundary_of(image, halves.lattice, progress);
-    const MeshComponents components = connected_components(mesh, progress);
-    std::vector<Index> size(static_cast<std::size_t>(components.count), 0);
-    for (Index v = 0; v < mesh.vertex_slots(); ++v) ++size[components.of_vertex[v]];
-    for (Index v = 0; v < mesh.vertex_slots(); ++v) {
-      Index& vertices = size[components.of_vertex[v]];
-      if (vertices == 0 || vertices >= kCrumb) continue;
-      vertices = 0;  // done
-      const Index part = part_beside(BrickIndex::brick_of(
-          halves.lattice.voxel_of(mesh.position[v] + Vec3::Constant(0.5 * halves.lattice.size))));
-      if (part != kNone) result[part] -= 2;
+  // Parts that are better with smaller voxels: their samples bear these out, and there are no more
+  // handles, or they bear out these too.
+  std::vector<char> better_parts(const VoxelSolid& before, const VoxelSolid& after,
+                                 Progress& progress) const {
+    const std::vector<Index> euler_before = euler_by_part(before.image, progress),
+                             euler_after = euler_by_part(after.image, progress);
+    const std::vector<Evidence> evidence = evidence_for(after);
+    std::vector<char> result;
+    for (Index part = 0; part < parts_; ++part) {
+      const Index handles = (euler_before[part] - euler_after[part]) / 2;  // more, if positive
+      result.push_back(evidence[part].agreement() >= (handles > 0 ? kNearlyAll : kMost) &&
+                       evidence[part].samples >= kSamplesPerHandle * handles);
     }
     return result;
   }
 
-  // Dense samples of each part of a solid with voxels of half the size, if nearly all of them have
-  // solid behind and nothing before them; otherwise none.
-  std::vector<Index> samples_of_sound_parts(const VoxelSolid& refined) const {
-    struct Evidence {
-      Index samples = 0, solid_behind = 0, empty_before = 0;
-    };
+  // Euler characteristic of the boundary in and beside each part, by bricks of half the size. Parts
+  // are at least two of these apart, so that none is beside two parts.
+  std::vector<Index> euler_by_part(VoxelImage image, Progress& progress) const {
+    make_well_composed(image, progress);
+    const std::vector<Index> of_brick = euler_characteristics(image, progress);
+    std::vector<Index> result(static_cast<std::size_t>(parts_), 0);
+    for (Index brick = 0; brick < image.bricks.size(); ++brick) {
+      if (of_brick[brick] == 0) continue;
+      for (Index k = 0; k < 27; ++k) {
+        const Index part = part_of(around(image.bricks.brick(brick), k));
+        if (part == kNone) continue;
+        result[part] += of_brick[brick];
+        break;
+      }
+    }
+    return result;
+  }
+
+  // How many dense samples of a part have solid behind, and how many nothing before them.
+  struct Evidence {
+    Index samples = 0, solid_behind = 0, empty_before = 0;
+    double agreement() const {
+      return static_cast<double>(std::min(solid_behind, empty_before)) / samples;
+    }
+  };
+  std::vector<Evidence> evidence_for(const VoxelSolid& refined) const {
     std::vector<Evidence> evidence(static_cast<std::size_t>(parts_));
     for (const Index i : dense_) {
       const Index part = part_at(cloud_.position[i]);
@@ -259,25 +277,13 @@ class Refinement {
       evidence[part].solid_behind += refined.contains(cloud_.position[i] - depth);
       evidence[part].empty_before += !refined.contains(cloud_.position[i] + depth);
     }
-    std::vector<Index> result;
-    for (const Evidence& of : evidence) {
-      const bool is_sound = std::min(of.solid_behind, of.empty_before) >= kNearlyAll * of.samples;
-      result.push_back(is_sound ? of.samples : 0);
-    }
-    return result;
+    return evidence;
   }
 
   // The part that holds a point.
   Index part_at(const Vec3& p) const {
     const Index brick = solid_.image.bricks.find(BrickIndex::brick_of(solid_.lattice.voxel_of(p)));
     return brick == kNone ? kNone : part_[brick];
-  }
-  Index part_beside(const Voxel& half) const {
-    for (Index k = 0; k < 27; ++k) {
-      const Index part = part_of(around(half, k));
-      if (part != kNone) return part;
-    }
-    return kNone;
   }
 
   VoxelSolid& solid_;
