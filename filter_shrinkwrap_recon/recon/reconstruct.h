@@ -110,14 +110,14 @@ struct CloudReport {
 };
 
 /// Orients the normals and estimates the noise. Above `options.noise.high` handles are to be
-/// refuted by larger voxels, and no voxels are smaller. If the run stops at the parametric surface, and there is more noise
-/// than `options.denoising.from`, then the samples are moved onto the surface that they scatter
-/// about, with normals of neighbourhoods that are the wider the noisier the samples are, and
-/// `options` of the later stages are changed to suit (larger voxels; see NoiseOptions). A chain of
-/// stages gives the same as `reconstruct` if each that needs normals begins with this; if the
-/// smoothed surface is taken (see SecondAttempt), with `stop_at_parametric_surface` set, and the
-/// matching then goes on with `undo_denoising`; if backs are openings, with `backs_are_openings`.
-/// Pre: the cloud was prepared with `options.samples`.
+/// refuted by larger voxels, and no voxels are smaller. If the run stops at the parametric surface,
+/// and there is more noise than `options.denoising.from`, then the samples are moved onto the
+/// surface that they scatter about, with normals of neighbourhoods that are the wider the noisier
+/// the samples are, and `options` of the later stages are changed to suit (larger voxels; see
+/// NoiseOptions). A chain of stages gives the same as `reconstruct` if each that needs normals
+/// begins with this; if the smoothed surface is taken (see SecondAttempt), with
+/// `stop_at_parametric_surface` set, and the matching then goes on with `undo_denoising`; if backs
+/// are openings, with `backs_are_openings`. Pre: the cloud was prepared with `options.samples`.
 CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
                               Progress& progress);
 
