@@ -165,6 +165,7 @@ TEST(VoxelSolid, BricksAreNoMoreThanAFewTimesTheSamples) {
   EXPECT_LT(solid.image.bricks.size(), 30 * samples.size());
   const InitialMesh mesh = initial_mesh_of(samples);
   EXPECT_TRUE(mesh.report.voxels_are_larger);
+  EXPECT_EQ(mesh.report.refined_parts, 0);
   EXPECT_GT(mesh.report.voxel_size, 2.0 * InitialMeshOptions().voxel_size);
   const InitialMesh usual = initial_mesh_of(prepare(sample_shape(ShapeKind::sphere, 500, 3)));
   EXPECT_FALSE(usual.report.voxels_are_larger);

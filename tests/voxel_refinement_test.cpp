@@ -96,6 +96,25 @@ TEST(VoxelRefinement, LeavesEvenCloudsAlone) {
   }
 }
 
+// The same balls, with normals of the dense part reversed at random.
+TEST(VoxelRefinement, LeavesPartsThatTheSamplesDoNotBearOut) {
+  PointCloud cloud = prepare(balls());
+  Random random(5);
+  for (Index i = 0; i < cloud.size(); ++i)
+    if (cloud.frame.to_input(cloud.position[i]).x() > 1.2 && random.uniform() < 0.1)
+      cloud.normal[i] = -cloud.normal[i];
+  EXPECT_EQ(initial_mesh_of(cloud, kDefault).report.refined_parts, 0);
+}
+
+TEST(VoxelRefinement, DecidesOnEachPart) {
+  std::vector<Vec3> points = balls();
+  for (const Vec3& p : ball_and_torus(0.5))
+    if (p.x() > 1.2) points.push_back(-p);
+  const InitialMesh mesh = initial_mesh_of(prepare(points), kDefault);
+  EXPECT_EQ(mesh.report.refined_parts, 1);
+  expect_closed_manifold(mesh.mesh, 4, 0);
+}
+
 TEST(VoxelRefinement, ShowsHandlesThatTheSamplesShow) {
   const PointCloud cloud = prepare(ball_and_torus(0.0));
   EXPECT_EQ(initial_mesh_of(cloud, kNever).report.genus, 0) << "the test is of no use";

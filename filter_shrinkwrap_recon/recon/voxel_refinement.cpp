@@ -1,7 +1,6 @@
 #include "voxel_refinement.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "parallel.h"
 #include "voxel_boundary.h"
@@ -10,8 +9,6 @@ namespace shrinkwrap {
 namespace {
 
 constexpr Index kGrain = 1 << 11;
-// Samples of the other side of a thin wall are no reason to call it dense.
-constexpr float kSameSide = 0.2f;
 constexpr double kSmallerVoxels = 0.5;
 constexpr Index kLeastSamples = 50;  // of a part
 constexpr double kDepth = 1.5;       // x spacing
@@ -75,24 +72,11 @@ class Refinement {
   }
 
  private:
-  // Spacing among the samples of its own side.
-  double own_spacing(Index sample) const {
-    const Index* list = cloud_.neighbours_of(sample);
-    int same_side = 0;
-    for (int e = 1; e < cloud_.neighbour_count; ++e)
-      same_side += cloud_.normal[list[e]].dot(cloud_.normal[sample]) > kSameSide;
-    const double others = cloud_.neighbour_count - 1;
-    return cloud_.local_spacing[sample] * std::sqrt(others / std::max(same_side, 1));
-  }
-
   std::vector<Index> dense_samples(Progress& progress) const {
-    std::vector<float> spacing(cloud_.position.size());
-    parallel_for_each(cloud_.size(), kGrain, progress,
-                      [&](Index i) { spacing[i] = static_cast<float>(own_spacing(i)); });
     const auto mean = [&](Index sample) {
       double sum = 0.0;
       for (int e = 0; e < cloud_.neighbour_count; ++e)
-        sum += spacing[cloud_.neighbours_of(sample)[e]];
+        sum += cloud_.local_spacing[cloud_.neighbours_of(sample)[e]];
       return sum / cloud_.neighbour_count;
     };
     const double most = options_.dense_spacing * cloud_.spacing;
