@@ -2,11 +2,12 @@
 """Renders point clouds and meshes side by side: the pictures of the README.
 
 usage: render.py OUTPUT.png [--columns N] [--size W,H] [--azimuth A] [--elevation E] [--edges]
-                 [--view principal] [--outside] FILE[=CAPTION] ...
+                 [--view principal] [--outside] [--fine N] FILE[=CAPTION] ...
 
 Every file is drawn in the same view: along an axis, or, with --view principal, along the direction in which the first
 file is thinnest. PLY, OBJ and STL; files without faces are drawn as points. The inner side of a surface is orange;
---outside turns meshes that are inside out. Needs python3-vtk9; run it under xvfb-run where there is no display.
+--outside turns meshes that are inside out; --fine draws N times as large and scales down, for thin lines. Needs
+python3-vtk9; run it under xvfb-run where there is no display.
 """
 import argparse
 
@@ -56,7 +57,7 @@ def principal_view(data):
 
 
 def fit(camera, data):
-    """Parallel projection, just large enough for a square view of the points."""
+    """Parallel projection, large enough for a square view of the points, with room for a caption."""
     camera.OrthogonalizeViewUp()
     up, along = camera.GetViewUp(), camera.GetDirectionOfProjection()
     right = [0.0] * 3
@@ -74,10 +75,10 @@ def fit(camera, data):
     camera.SetFocalPoint(*centre)
     camera.SetPosition(*(c - distance * a for c, a in zip(centre, along)))
     camera.ParallelProjectionOn()
-    camera.SetParallelScale(1.08 * half)
+    camera.SetParallelScale(1.16 * half)
 
 
-def add_points(renderer, data, diagonal):
+def add_points(renderer, data, size):
     vertices = vtk.vtkVertexGlyphFilter()
     vertices.SetInputData(data)
     mapper = vtk.vtkPolyDataMapper()
@@ -86,7 +87,7 @@ def add_points(renderer, data, diagonal):
     actor = vtk.vtkActor()
     actor.SetMapper(mapper)
     actor.GetProperty().SetColor(POINTS)
-    actor.GetProperty().SetPointSize(2)
+    actor.GetProperty().SetPointSize(size)
     actor.GetProperty().LightingOff()
     renderer.AddActor(actor)
 
@@ -127,11 +128,13 @@ def main():
     parser.add_argument("--view", default="axis", choices=["axis", "principal"])
     parser.add_argument("--outside", action="store_true")
     parser.add_argument("--edges", action="store_true")
+    parser.add_argument("--fine", type=int, default=1, choices=range(1, 5))
     options = parser.parse_args()
 
     columns = options.columns or len(options.files)
     rows = (len(options.files) + columns - 1) // columns
-    width, height = (int(n) for n in options.size.split(","))
+    fine = options.fine
+    width, height = (fine * int(n) for n in options.size.split(","))
     window = vtk.vtkRenderWindow()
     window.SetOffScreenRendering(1)
     window.SetMultiSamples(8)
@@ -153,15 +156,15 @@ def main():
         renderer.SetViewport(column / columns, row / rows, (column + 1) / columns, (row + 1) / rows)
         renderer.SetBackground(1, 1, 1)
         if data.GetNumberOfPolys() == 0:
-            add_points(renderer, data, 1)
+            add_points(renderer, data, 2 * fine)
         else:
             add_mesh(renderer, data, options.edges)
         if caption:
             text = vtk.vtkTextActor()
             text.SetInput(caption)
             text.GetTextProperty().SetColor(0.1, 0.1, 0.1)
-            text.GetTextProperty().SetFontSize(15)
-            text.SetPosition(8, 8)
+            text.GetTextProperty().SetFontSize(15 * fine)
+            text.SetPosition(8 * fine, 8 * fine)
             renderer.AddActor2D(text)
         camera = renderer.GetActiveCamera()
         camera.SetFocalPoint(0, 0, 0)
@@ -182,9 +185,13 @@ def main():
     grab.SetInput(window)
     grab.ReadFrontBufferOff()
     grab.Update()
+    scaled = vtk.vtkImageShrink3D()
+    scaled.SetInputData(grab.GetOutput())
+    scaled.SetShrinkFactors(fine, fine, 1)
+    scaled.MeanOn()
     writer = vtk.vtkPNGWriter()
     writer.SetFileName(options.output)
-    writer.SetInputData(grab.GetOutput())
+    writer.SetInputConnection(scaled.GetOutputPort())
     writer.Write()
 
 
