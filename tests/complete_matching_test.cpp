@@ -14,7 +14,7 @@
 #include "close_openings.h"
 #include "expect_mesh.h"
 #include "openings.h"
-#include "orientation.h"
+#include "oriented_cloud.h"
 #include "self_intersection.h"
 #include "shapes.h"
 
@@ -24,16 +24,10 @@ namespace {
 using testing::expect_closed_manifold;
 using testing::expect_complete_matching;
 using testing::expect_same_mesh;
+using testing::oriented_cloud;
 using testing::Random;
 using testing::ShapeKind;
 using Openings = CompleteMatchingOptions::Openings;
-
-PointCloud cloud_of(const std::vector<Vec3>& points) {
-  Progress silent;
-  PointCloud cloud = prepare_samples(points, {}, silent);
-  orient_normals(cloud, {}, silent);
-  return cloud;
-}
 
 // The mesh in the frame of the cloud, in canonical order: as the stage before would hand it over.
 SurfaceMesh surface_for(const PointCloud& cloud, SurfaceMesh mesh) {
@@ -86,7 +80,7 @@ TEST_P(Retiling, MakesEverySampleAVertex) {
   const testing::Shape shape = testing::shape_of(kind);
   for (const unsigned seed : {1u, 2u}) {
     SCOPED_TRACE(seed);
-    const PointCloud cloud = cloud_of(testing::sample_shape(kind, samples, seed));
+    const PointCloud cloud = oriented_cloud(testing::sample_shape(kind, samples, seed));
     const SurfaceMesh surface = kind == ShapeKind::torus
                                     ? testing::torus_mesh(12 << subdivisions, 4 << subdivisions)
                                     : star_shaped(kind, subdivisions);
@@ -113,7 +107,8 @@ INSTANTIATE_TEST_SUITE_P(Shapes, Retiling,
                          [](const auto& instance) { return std::string(instance.param.name); });
 
 TEST(Retiling, FollowsTheShape) {
-  const PointCloud cloud = cloud_of(testing::sample_shape_blue_noise(ShapeKind::blob, 4000, 3));
+  const PointCloud cloud =
+      oriented_cloud(testing::sample_shape_blue_noise(ShapeKind::blob, 4000, 3));
   const CompleteMatching matching = match(cloud, star_shaped(ShapeKind::blob, 5));
   EXPECT_EQ(self_intersecting_faces(matching.mesh), 0);
   EXPECT_EQ(matching.report.forced_removals, 0);
@@ -126,7 +121,7 @@ TEST(Retiling, FollowsTheShape) {
 TEST(Retiling, TellsTheSidesOfAThinPlateApart) {
   // The samples of either side are nearer to the other side of a surface that lies a little off.
   const testing::Shape plate = testing::shape_of(ShapeKind::thin_plate);
-  const PointCloud cloud = cloud_of(testing::sample_shape_blue_noise(plate.kind, 6000, 4));
+  const PointCloud cloud = oriented_cloud(testing::sample_shape_blue_noise(plate.kind, 6000, 4));
   SurfaceMesh surface = star_shaped(ShapeKind::box, 5);
   const SurfaceMesh target = star_shaped(plate.kind, 5);
   surface.position = target.position;
@@ -143,7 +138,7 @@ TEST(Retiling, SurvivesFeetThatCoincide) {
   Random random(5);
   std::vector<Vec3> points = {Vec3(0, 0, 0), Vec3(4, 0, 0), Vec3(0, 4, 0), Vec3(0, 0, 4)};
   for (int i = 0; i < 1500; ++i) points.push_back(Vec3(0, 0, 5) + 0.5 * random.in_cube());
-  const PointCloud cloud = cloud_of(points);
+  const PointCloud cloud = oriented_cloud(points);
   const SurfaceMesh tetrahedron = SurfaceMesh::from_triangles(
       {Vec3(0, 0, 0), Vec3(4, 0, 0), Vec3(0, 4, 0), Vec3(0, 0, 4)},
       {Triangle{0, 2, 1}, Triangle{0, 1, 3}, Triangle{1, 2, 3}, Triangle{0, 3, 2}});
@@ -159,7 +154,7 @@ TEST(Retiling, SurvivesSamplesAtCornersAndOnEdges) {
     if (h < surface.twin(h) && h % 2 == 0)
       points.push_back(0.5 *
                        (surface.position[surface.origin(h)] + surface.position[surface.target(h)]));
-  const PointCloud cloud = cloud_of(points);
+  const PointCloud cloud = oriented_cloud(points);
   const CompleteMatching matching = match(cloud, surface);
   expect_closed_manifold(matching.mesh, 1, 0);
   expect_complete_matching(matching, cloud);
@@ -173,7 +168,7 @@ TEST(Retiling, SurvivesUnevenDensity) {
     points.push_back(Vec3(1, 0.001 * i, 0.3).normalized());
   for (int i = 0; i < 4000; ++i)
     points.push_back((Vec3(0, 0, 1) + 0.02 * random.in_cube()).normalized());
-  const PointCloud cloud = cloud_of(points);
+  const PointCloud cloud = oriented_cloud(points);
   CompleteMatchingOptions options;
   options.membrane_low = options.membrane_high = 1e9;  // spacing says nothing here
   const CompleteMatching matching = match(cloud, testing::icosphere(2), options);
@@ -183,7 +178,7 @@ TEST(Retiling, SurvivesUnevenDensity) {
 }
 
 TEST(Retiling, SurvivesADegenerateSurface) {
-  const PointCloud cloud = cloud_of(testing::sample_shape(ShapeKind::sphere, 500, 7));
+  const PointCloud cloud = oriented_cloud(testing::sample_shape(ShapeKind::sphere, 500, 7));
   SurfaceMesh surface = testing::icosphere(2);
   Random random(7);
   for (int i = 0; i < 60; ++i)
@@ -208,7 +203,7 @@ TEST(Retiling, KeepsVerticesWithoutWhichThereIsNoManifold) {
     std::vector<Vec3> points = testing::sample_shape(ShapeKind::sphere, 500, 8);
     const std::vector<Vec3> second = testing::sample_shape(ShapeKind::sphere, 50, 9);
     for (Index i = 0; i < others; ++i) points.push_back(second[i] + Vec3(5, 0, 0));
-    const PointCloud cloud = cloud_of(points);
+    const PointCloud cloud = oriented_cloud(points);
     SurfaceMesh one = testing::icosphere(2);
     std::vector<Vec3> positions = one.position;
     std::vector<Triangle> triangles = one.triangles();
@@ -228,7 +223,7 @@ TEST(Retiling, KeepsVerticesWithoutWhichThereIsNoManifold) {
 }
 
 TEST(Retiling, DoesNotDependOnThreads) {
-  const PointCloud cloud = cloud_of(testing::sample_shape(ShapeKind::blob, 20000, 10));
+  const PointCloud cloud = oriented_cloud(testing::sample_shape(ShapeKind::blob, 20000, 10));
   const SurfaceMesh surface = star_shaped(ShapeKind::blob, 5);
   CompleteMatching one, two;
   {
@@ -244,14 +239,14 @@ TEST(Retiling, DoesNotDependOnThreads) {
 }
 
 TEST(Retiling, CanBeCancelled) {
-  const PointCloud cloud = cloud_of(testing::sample_shape(ShapeKind::sphere, 2000, 11));
+  const PointCloud cloud = oriented_cloud(testing::sample_shape(ShapeKind::sphere, 2000, 11));
   Progress cancelled([](double, const char*) { return false; }, {Stage::complete_matching});
   EXPECT_THROW(match_samples(surface_for(cloud, testing::icosphere(4)), cloud, {}, cancelled),
                Cancelled);
 }
 
 TEST(Retiling, RefusesASurfaceWithoutFaces) {
-  const PointCloud cloud = cloud_of(testing::sample_shape(ShapeKind::sphere, 100, 12));
+  const PointCloud cloud = oriented_cloud(testing::sample_shape(ShapeKind::sphere, 100, 12));
   Progress silent;
   EXPECT_THROW(match_samples(SurfaceMesh(), cloud, {}, silent), InvalidInput);
 }
@@ -264,7 +259,8 @@ class Hemisphere : public ::testing::Test {
     options.openings = openings;
     return match(cloud_, testing::icosphere(4), options);
   }
-  PointCloud cloud_ = cloud_of(testing::sample_shape_blue_noise(ShapeKind::hemisphere, 1500, 13));
+  PointCloud cloud_ =
+      oriented_cloud(testing::sample_shape_blue_noise(ShapeKind::hemisphere, 1500, 13));
 };
 
 TEST_F(Hemisphere, IsClosedByItsSamplesAlone) {
@@ -305,7 +301,7 @@ TEST_F(Hemisphere, IsLeftOpenWithACleanBorder) {
 TEST_F(Hemisphere, HasABorderWithoutNotchesWhereSamplesAreIrregular) {
   for (const unsigned seed : {14u, 15u, 16u}) {
     SCOPED_TRACE(seed);
-    cloud_ = cloud_of(testing::sample_shape(ShapeKind::hemisphere, 1500, seed));
+    cloud_ = oriented_cloud(testing::sample_shape(ShapeKind::hemisphere, 1500, seed));
     const CompleteMatching matching = match_with(Openings::leave_open);
     const std::vector<Index>& dropped = matching.opening_faces;
     double length = 0.0;
@@ -339,7 +335,7 @@ class Sheet : public ::testing::Test {
     options.backs_are_openings = backs_are_openings;
     return match(cloud_, lens, options);
   }
-  PointCloud cloud_ = cloud_of(front());
+  PointCloud cloud_ = oriented_cloud(front());
 };
 
 TEST_F(Sheet, HasABackThatNoSampleHoldsHoweverNear) {

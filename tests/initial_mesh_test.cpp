@@ -7,20 +7,13 @@
 #include <cmath>
 
 #include "expect_mesh.h"
-#include "orientation.h"
+#include "oriented_cloud.h"
 #include "shapes.h"
 #include "voxel_solid.h"
 #include "winding_number.h"
 
 namespace shrinkwrap::testing {
 namespace {
-
-PointCloud prepare(const std::vector<Vec3>& points) {
-  Progress silent;
-  PointCloud cloud = prepare_samples(points, {}, silent);
-  orient_normals(cloud, {}, silent);
-  return cloud;
-}
 
 InitialMesh initial_mesh_of(const PointCloud& samples, const InitialMeshOptions& options = {}) {
   Progress silent;
@@ -31,7 +24,7 @@ TEST(WindingNumber, IsOneInsideAndZeroOutside) {
   for (const ShapeKind kind : {ShapeKind::sphere, ShapeKind::torus, ShapeKind::bowl}) {
     const Shape shape = shape_of(kind);
     SCOPED_TRACE(shape.name);
-    const PointCloud samples = prepare(sample_shape_blue_noise(kind, 6000, 1));
+    const PointCloud samples = oriented_cloud(sample_shape_blue_noise(kind, 6000, 1));
     const WindingNumber winding(samples);
     const double spacing = samples.frame.to_input_length(samples.spacing);
     Random random(2);
@@ -48,14 +41,15 @@ TEST(WindingNumber, IsOneInsideAndZeroOutside) {
 }
 
 TEST(WindingNumber, FarAwayItFallsToZero) {
-  const PointCloud samples = prepare(sample_shape(ShapeKind::sphere, 500, 3));
+  const PointCloud samples = oriented_cloud(sample_shape(ShapeKind::sphere, 500, 3));
   const WindingNumber winding(samples);
   EXPECT_NEAR(winding.at(Vec3(1e3, 0, 0)), 0.0, 1e-4);
   EXPECT_NEAR(winding.at(Vec3(1e9, -1e9, 1e9)), 0.0, 1e-9);
 }
 
 TEST(WindingNumber, FallsSmoothlyAcrossAnOpening) {
-  const PointCloud samples = prepare(sample_shape_blue_noise(ShapeKind::hemisphere, 4000, 4));
+  const PointCloud samples =
+      oriented_cloud(sample_shape_blue_noise(ShapeKind::hemisphere, 4000, 4));
   const WindingNumber winding(samples);
   Vec3 centre = Vec3::Zero();  // of the rim: below the cap along its axis
   for (const Vec3& p : samples.position) centre += p;
@@ -73,7 +67,7 @@ TEST(WindingNumber, FallsSmoothlyAcrossAnOpening) {
 
 TEST(VoxelSolid, HoldsWhatIsDeepInside) {
   const Shape shape = shape_of(ShapeKind::torus);
-  const PointCloud samples = prepare(sample_shape_blue_noise(ShapeKind::torus, 5000, 5));
+  const PointCloud samples = oriented_cloud(sample_shape_blue_noise(ShapeKind::torus, 5000, 5));
   const WindingNumber winding(samples);
   Progress silent;
   const InitialMeshOptions options;
@@ -94,7 +88,8 @@ TEST_P(InitialMeshOf, HasTheTopologyOfTheShapeAndLiesOnIt) {
   const Shape shape = shape_of(GetParam());
   for (unsigned seed = 0; seed < 3; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    const PointCloud samples = prepare(sample_shape(GetParam(), 8000, seed, {0.0, 0.0, true}));
+    const PointCloud samples =
+        oriented_cloud(sample_shape(GetParam(), 8000, seed, {0.0, 0.0, true}));
     const InitialMesh initial = initial_mesh_of(samples);
     expect_closed_manifold(initial.mesh, shape.components, shape.genus);
     EXPECT_GT(signed_volume(initial.mesh), 0.0);
@@ -110,7 +105,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, InitialMeshOf, ::testing::ValuesIn(closed_shape
                          [](const auto& test) { return shape_of(test.param).name; });
 
 TEST(InitialMesh, ClosesAnOpeningWithoutFoam) {
-  const PointCloud samples = prepare(sample_shape(ShapeKind::hemisphere, 6000, 9));
+  const PointCloud samples = oriented_cloud(sample_shape(ShapeKind::hemisphere, 6000, 9));
   const InitialMesh initial = initial_mesh_of(samples);
   expect_closed_manifold(initial.mesh, 1, 0);
   // Half a ball, or thereabouts, and not the shell of the cap alone.
@@ -124,7 +119,7 @@ TEST(InitialMesh, InnerWallBecomesACavity) {
   std::vector<Vec3> points = sample_shape_blue_noise(ShapeKind::sphere, 6000, 10);
   for (const Vec3& p : sample_shape_blue_noise(ShapeKind::sphere, 1500, 11))
     points.push_back(0.5 * p);
-  const PointCloud samples = prepare(points);
+  const PointCloud samples = oriented_cloud(points);
   const InitialMesh initial = initial_mesh_of(samples);
   expect_closed_manifold(initial.mesh, 2, 0);
   EXPECT_EQ(initial.report.cavities, 1);
@@ -134,16 +129,16 @@ TEST(InitialMesh, ClumpsOfStrayPointsAreNoBodies) {
   std::vector<Vec3> points = sample_shape(ShapeKind::sphere, 4000, 12);
   Random random(13);
   for (int i = 0; i < 12; ++i) points.push_back(Vec3(3, 0, 0) + 0.02 * random.in_cube());
-  expect_closed_manifold(initial_mesh_of(prepare(points)).mesh, 1, 0);
+  expect_closed_manifold(initial_mesh_of(oriented_cloud(points)).mesh, 1, 0);
 }
 
 TEST(InitialMesh, FourPointsMakeOne) {
-  const PointCloud samples = prepare({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+  const PointCloud samples = oriented_cloud({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
   expect_closed_manifold(initial_mesh_of(samples).mesh, 1, 0);
 }
 
 TEST(InitialMesh, IsTheSameForAnyNumberOfThreads) {
-  const PointCloud samples = prepare(sample_shape(ShapeKind::double_torus, 20000, 14));
+  const PointCloud samples = oriented_cloud(sample_shape(ShapeKind::double_torus, 20000, 14));
   const auto with_threads = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     return initial_mesh_of(samples).mesh;
@@ -159,7 +154,7 @@ TEST(VoxelSolid, BricksAreNoMoreThanAFewTimesTheSamples) {
     const double turn = random.uniform(0.0, 2.0 * kPi), r = std::pow(10.0, -8.0 * random.uniform());
     points.push_back(r * Vec3(std::cos(turn), std::sin(turn), 2.0));
   }
-  const PointCloud samples = prepare(points);
+  const PointCloud samples = oriented_cloud(points);
   Progress silent;
   const VoxelSolid solid = make_voxel_solid(samples, WindingNumber(samples), {}, silent);
   EXPECT_LT(solid.image.bricks.size(), 30 * samples.size());
@@ -167,7 +162,8 @@ TEST(VoxelSolid, BricksAreNoMoreThanAFewTimesTheSamples) {
   EXPECT_TRUE(mesh.report.voxels_are_larger);
   EXPECT_EQ(mesh.report.refined_parts, 0);
   EXPECT_GT(mesh.report.voxel_size, 2.0 * InitialMeshOptions().voxel_size);
-  const InitialMesh usual = initial_mesh_of(prepare(sample_shape(ShapeKind::sphere, 500, 3)));
+  const InitialMesh usual =
+      initial_mesh_of(oriented_cloud(sample_shape(ShapeKind::sphere, 500, 3)));
   EXPECT_FALSE(usual.report.voxels_are_larger);
 }
 

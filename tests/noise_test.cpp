@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "oriented_cloud.h"
 #include "reconstruct.h"
 #include "shapes.h"
 
@@ -13,16 +14,9 @@ namespace {
 using namespace shrinkwrap;
 using namespace shrinkwrap::testing;
 
-PointCloud oriented(const std::vector<Vec3>& points) {
-  Progress silent;
-  PointCloud cloud = prepare_samples(points, {}, silent);
-  orient_normals(cloud, {}, silent);
-  return cloud;
-}
-
 double noise_of(const std::vector<Vec3>& points) {
   Progress silent;
-  return estimate_noise(oriented(points), {}, silent).median;
+  return estimate_noise(oriented_cloud(points), {}, silent).median;
 }
 
 std::vector<Vec3> noisy(ShapeKind kind, Index count, unsigned seed, double noise) {
@@ -66,7 +60,7 @@ TEST(Noise, TwoSidesOfAThinWallAreNotNoise) {
 
 TEST(Noise, ScaleAndThreadsDoNotMatter) {
   std::vector<Vec3> points = noisy(ShapeKind::blob, 6000, 6, 0.3);
-  const PointCloud cloud = oriented(points);
+  const PointCloud cloud = oriented_cloud(points);
   const auto with_threads = [&](int threads) {
     return tbb::task_arena(threads).execute([&] {
       Progress silent;

@@ -6,18 +6,11 @@
 #include <cmath>
 
 #include "expect_mesh.h"
-#include "orientation.h"
+#include "oriented_cloud.h"
 #include "shapes.h"
 
 namespace shrinkwrap::testing {
 namespace {
-
-PointCloud prepare(const std::vector<Vec3>& points) {
-  Progress silent;
-  PointCloud cloud = prepare_samples(points, {}, silent);
-  orient_normals(cloud, {}, silent);
-  return cloud;
-}
 
 // A mesh of the shape's own frame, in that of the samples.
 SurfaceMesh in_frame(SurfaceMesh mesh, const Frame& frame) {
@@ -71,7 +64,7 @@ TEST(LoopSubdivide, KeepsAPlaneAndPrecision) {
 }
 
 TEST(ParametricSurface, LiesOnTheSampledSurface) {
-  const PointCloud samples = prepare(sample_shape_blue_noise(ShapeKind::torus, 6000, 4));
+  const PointCloud samples = oriented_cloud(sample_shape_blue_noise(ShapeKind::torus, 6000, 4));
   SurfaceMesh control = torus_mesh(24, 12);
   ParametricSurfaceOptions options;
   options.fine_enough = 0.0;
@@ -93,9 +86,9 @@ TEST(ParametricSurface, LiesOnTheSampledSurface) {
 }
 
 TEST(ParametricSurface, LeavesTheLastSubdivisionOutWhereItIsFineEnough) {
-  const PointCloud smooth = prepare(sample_shape_blue_noise(ShapeKind::sphere, 4500, 14));
+  const PointCloud smooth = oriented_cloud(sample_shape_blue_noise(ShapeKind::sphere, 4500, 14));
   // A cube of few samples has edges that a coarse surface cuts off.
-  const PointCloud sharp = prepare(sample_shape_blue_noise(ShapeKind::box, 1500, 14));
+  const PointCloud sharp = oriented_cloud(sample_shape_blue_noise(ShapeKind::box, 1500, 14));
   const auto subdivisions_of = [](const PointCloud& samples, double fine_enough) {
     ParametricSurfaceOptions options;
     options.fine_enough = fine_enough;
@@ -112,7 +105,7 @@ TEST(ParametricSurface, LeavesTheLastSubdivisionOutWhereItIsFineEnough) {
 }
 
 TEST(ParametricSurface, NearestSampleFittingComesCloseToo) {
-  const PointCloud samples = prepare(sample_shape(ShapeKind::sphere, 3000, 5));
+  const PointCloud samples = oriented_cloud(sample_shape(ShapeKind::sphere, 3000, 5));
   ParametricSurfaceOptions options;
   options.target = ParametricSurfaceOptions::Target::nearest_sample;
   options.attraction = 0.85;
@@ -126,7 +119,7 @@ TEST(ParametricSurface, NearestSampleFittingComesCloseToo) {
 }
 
 TEST(ParametricSurface, SubdividesAgainWhereTheControlMeshIsCoarse) {
-  const PointCloud samples = prepare(sample_shape(ShapeKind::sphere, 4000, 6));
+  const PointCloud samples = oriented_cloud(sample_shape(ShapeKind::sphere, 4000, 6));
   ParametricSurfaceOptions options;
   options.fine_enough = 0.0;
   Progress silent;
@@ -138,7 +131,8 @@ TEST(ParametricSurface, SubdividesAgainWhereTheControlMeshIsCoarse) {
 
 TEST(ParametricSurface, AMembraneIsNotPulledOntoTheSamples) {
   // The far half of the sphere has no samples: it is smoothed, and does not collapse onto the rim.
-  const PointCloud samples = prepare(sample_shape_blue_noise(ShapeKind::hemisphere, 3000, 7));
+  const PointCloud samples =
+      oriented_cloud(sample_shape_blue_noise(ShapeKind::hemisphere, 3000, 7));
   Progress silent;
   const ParametricSurface surface =
       make_parametric_surface(in_frame(icosphere(3), samples.frame), samples, {}, silent);
@@ -148,7 +142,7 @@ TEST(ParametricSurface, AMembraneIsNotPulledOntoTheSamples) {
 }
 
 TEST(ParametricSurface, IsTheSameForAnyNumberOfThreads) {
-  const PointCloud samples = prepare(sample_shape(ShapeKind::blob, 20000, 8));
+  const PointCloud samples = oriented_cloud(sample_shape(ShapeKind::blob, 20000, 8));
   const auto with_threads = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     Progress silent;

@@ -10,20 +10,13 @@
 
 #include "expect_mesh.h"
 #include "initial_mesh.h"
-#include "orientation.h"
+#include "oriented_cloud.h"
 #include "reconstruct.h"
 #include "shapes.h"
 #include "voxel_boundary.h"
 
 namespace shrinkwrap::testing {
 namespace {
-
-PointCloud prepare(const std::vector<Vec3>& points) {
-  Progress silent;
-  PointCloud cloud = prepare_samples(points, {}, silent);
-  orient_normals(cloud, {}, silent);
-  return cloud;
-}
 
 InitialMesh initial_mesh_of(const PointCloud& cloud, double dense_spacing) {
   Progress silent;
@@ -66,7 +59,7 @@ std::vector<Vec3> ball_and_torus(double noise) {
 }
 
 TEST(VoxelRefinement, KeepsDensePartsApart) {
-  const PointCloud cloud = prepare(balls());
+  const PointCloud cloud = oriented_cloud(balls());
   const InitialMesh coarse = initial_mesh_of(cloud, kNever);
   EXPECT_EQ(coarse.report.refined_parts, 0);
   EXPECT_EQ(coarse.report.components, 2) << "the test is of no use";
@@ -89,7 +82,7 @@ TEST(VoxelRefinement, KeepsDensePartsApart) {
 TEST(VoxelRefinement, LeavesEvenCloudsAlone) {
   for (const ShapeKind kind : {ShapeKind::double_torus, ShapeKind::thin_plate, ShapeKind::blob}) {
     SCOPED_TRACE(shape_of(kind).name);
-    const PointCloud cloud = prepare(sample_shape(kind, 8000, 4));
+    const PointCloud cloud = oriented_cloud(sample_shape(kind, 8000, 4));
     const InitialMesh mesh = initial_mesh_of(cloud, kDefault);
     EXPECT_EQ(mesh.report.refined_parts, 0);
     expect_same_mesh(mesh.mesh, initial_mesh_of(cloud, kNever).mesh);
@@ -98,7 +91,7 @@ TEST(VoxelRefinement, LeavesEvenCloudsAlone) {
 
 // The same balls, with normals of the dense part reversed at random.
 TEST(VoxelRefinement, LeavesPartsThatTheSamplesDoNotBearOut) {
-  PointCloud cloud = prepare(balls());
+  PointCloud cloud = oriented_cloud(balls());
   Random random(5);
   for (Index i = 0; i < cloud.size(); ++i)
     if (cloud.frame.to_input(cloud.position[i]).x() > 1.2 && random.uniform() < 0.1)
@@ -110,13 +103,13 @@ TEST(VoxelRefinement, DecidesOnEachPart) {
   std::vector<Vec3> points = balls();
   for (const Vec3& p : ball_and_torus(0.5))
     if (p.x() > 1.2) points.push_back(-p);
-  const InitialMesh mesh = initial_mesh_of(prepare(points), kDefault);
+  const InitialMesh mesh = initial_mesh_of(oriented_cloud(points), kDefault);
   EXPECT_EQ(mesh.report.refined_parts, 1);
   expect_closed_manifold(mesh.mesh, 4, 0);
 }
 
 TEST(VoxelRefinement, ShowsHandlesThatTheSamplesShow) {
-  const PointCloud cloud = prepare(ball_and_torus(0.0));
+  const PointCloud cloud = oriented_cloud(ball_and_torus(0.0));
   EXPECT_EQ(initial_mesh_of(cloud, kNever).report.genus, 0) << "the test is of no use";
   const InitialMesh mesh = initial_mesh_of(cloud, kDefault);
   EXPECT_EQ(mesh.report.refined_parts, 1);
@@ -124,7 +117,7 @@ TEST(VoxelRefinement, ShowsHandlesThatTheSamplesShow) {
 }
 
 TEST(VoxelRefinement, LeavesPartsWhoseHandlesTheSamplesDoNotShow) {
-  const PointCloud cloud = prepare(ball_and_torus(0.5));
+  const PointCloud cloud = oriented_cloud(ball_and_torus(0.5));
   const WindingNumber winding(cloud);
   Progress silent;
   VoxelSolid solid = make_voxel_solid(cloud, winding, {}, silent);
@@ -137,9 +130,19 @@ TEST(VoxelRefinement, LeavesPartsWhoseHandlesTheSamplesDoNotShow) {
   expect_closed_manifold(initial_mesh_of(cloud, kDefault).mesh, 2, 0);
 }
 
+// A ball in a hollow ball, along scan lines, which are dense about the poles.
+TEST(VoxelRefinement, GapsBetweenScanLinesAreNoHandles) {
+  for (const unsigned seed : {0u, 4u}) {
+    std::vector<Vec3> points = sample_sphere_on_scan_lines(800, seed);
+    for (const Vec3& p : sample_sphere_on_scan_lines(392, seed + 50)) points.push_back(0.7 * p);
+    for (const Vec3& p : sample_sphere_on_scan_lines(98, seed + 90)) points.push_back(0.35 * p);
+    EXPECT_EQ(initial_mesh_of(oriented_cloud(points), kDefault).report.genus, 0);
+  }
+}
+
 // The boundary with large squares is that without, with fewer vertices.
 TEST(VoxelBoundary, OfTwoSizesIsThatOfTheSmaller) {
-  const PointCloud cloud = prepare(balls());
+  const PointCloud cloud = oriented_cloud(balls());
   const WindingNumber winding(cloud);
   Progress silent;
   VoxelSolid solid = make_voxel_solid(cloud, winding, {}, silent);
@@ -177,7 +180,8 @@ TEST(VoxelBoundary, OfTwoSizesIsThatOfTheSmaller) {
 }
 
 TEST(VoxelBoundary, EulerCharacteristicIsTheSumOverBricks) {
-  const PointCloud cloud = prepare(sample_shape_blue_noise(ShapeKind::double_torus, 4000, 7));
+  const PointCloud cloud =
+      oriented_cloud(sample_shape_blue_noise(ShapeKind::double_torus, 4000, 7));
   Progress silent;
   VoxelSolid solid = make_voxel_solid(cloud, WindingNumber(cloud), {}, silent);
   make_well_composed(solid.image, silent);
@@ -188,7 +192,7 @@ TEST(VoxelBoundary, EulerCharacteristicIsTheSumOverBricks) {
 }
 
 TEST(VoxelRefinement, IsTheSameForAnyNumberOfThreads) {
-  const PointCloud cloud = prepare(balls());
+  const PointCloud cloud = oriented_cloud(balls());
   const auto with_threads = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     return initial_mesh_of(cloud, kDefault).mesh;

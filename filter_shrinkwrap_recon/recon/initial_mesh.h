@@ -21,8 +21,8 @@ struct InitialMeshOptions {
   double blend_begin =
       1.2;  ///< x local spacing: up to here from the samples the plane field alone decides
   double blend_end = 2.5;  ///< x local spacing: from here on the winding number alone decides
-  /// Parts whose samples are closer than this, x s, get voxels of half the size, unless these show
-  /// more handles (voxel_refinement.h). 0: never.
+  /// Parts whose samples are closer than this, x s, get voxels of half the size if the samples bear
+  /// out what these show (voxel_refinement.h). 0: never.
   double dense_spacing = 0.65;
   /// Where the first solid has handles, a second one with voxels of this many times the size is
   /// made; the first stays unless the second has fewer handles and as many parts (of larger voxels:

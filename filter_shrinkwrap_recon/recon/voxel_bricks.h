@@ -15,6 +15,11 @@ inline Voxel operator+(const Voxel& a, const Voxel& b) {
   return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
 }
 
+/// Voxel or brick k of the 27 around one, itself included (k = 13).
+inline Voxel around(const Voxel& centre, Index k) {
+  return centre + Voxel{k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+}
+
 /// Maps the coordinates of bricks to indices; memory follows the number of bricks, not the volume.
 class BrickIndex {
  public:
@@ -119,7 +124,7 @@ class VoxelImage {
     const Voxel brick = BrickIndex::brick_of(v);
     const Index index = add(brick);
     if (mask[index] == 0)
-      for (Index k = 0; k < 27; ++k) add(brick + Voxel{k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1});
+      for (Index k = 0; k < 27; ++k) add(around(brick, k));
     mask[index] |= BrickMask{1} << BrickIndex::offset_of(v);
   }
   /// The mask of a brick, seen from a known one beside it.

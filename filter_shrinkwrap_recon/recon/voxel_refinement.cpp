@@ -17,10 +17,6 @@ constexpr double kMost = 0.97, kNearlyAll = 0.995;
 // Handles that show between fewer samples are gaps between these.
 constexpr Index kSamplesPerHandle = 100;
 
-Voxel around(const Voxel& brick, Index k) {  // k of 27
-  return brick + Voxel{k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
-}
-
 bool is_uniform(BrickMask mask) {
   return mask == 0 || mask == kAllSolid;
 }
@@ -51,9 +47,9 @@ class Refinement {
     part_.resize(solid_.image.mask.size(), kNone);
 
     const VoxelSolid before = in_halves([&](Index brick) { return is_near_part(brick); });
-    VoxelSolid after = before;
-    classify_bricks(after, bricks_of_parts(before.image.bricks), kSmallerVoxels, cloud_, winding_,
-                    options_, progress);
+    const VoxelSolid after =
+        with_bricks_classified(before, bricks_of_parts(before.image.bricks), kSmallerVoxels, cloud_,
+                               winding_, options_, progress);
     const std::vector<char> is_better = better_parts(before, after, progress);
     const Index taken = static_cast<Index>(std::count(is_better.begin(), is_better.end(), 1));
     if (taken == 0) return 0;
@@ -73,24 +69,25 @@ class Refinement {
 
  private:
   std::vector<Index> dense_samples(Progress& progress) const {
-    const auto mean = [&](Index sample) {
-      double sum = 0.0;
-      for (int e = 0; e < cloud_.neighbour_count; ++e)
-        sum += cloud_.local_spacing[cloud_.neighbours_of(sample)[e]];
-      return sum / cloud_.neighbour_count;
-    };
-    const double most = options_.dense_spacing * cloud_.spacing;
+    const std::vector<float> mean = mean_around(cloud_.local_spacing, progress);
     // Of samples at random some 20 may happen to be close, but not all around them too.
+    const std::vector<float> wide_mean = mean_around(mean, progress);
+    const float most = static_cast<float>(options_.dense_spacing * cloud_.spacing);
     return parallel_collect<Index>(cloud_.size(), kGrain, progress,
                                    [&](Index begin, Index end, std::vector<Index>& dense) {
-                                     for (Index i = begin; i < end; ++i) {
-                                       if (mean(i) >= most) continue;
-                                       double sum = 0.0;
-                                       for (int e = 0; e < cloud_.neighbour_count; ++e)
-                                         sum += mean(cloud_.neighbours_of(i)[e]);
-                                       if (sum < most * cloud_.neighbour_count) dense.push_back(i);
-                                     }
+                                     for (Index i = begin; i < end; ++i)
+                                       if (mean[i] < most && wide_mean[i] < most)
+                                         dense.push_back(i);
                                    });
+  }
+  std::vector<float> mean_around(const std::vector<float>& spacing, Progress& progress) const {
+    std::vector<float> mean(spacing.size());
+    parallel_for_each(cloud_.size(), kGrain, progress, [&](Index i) {
+      float sum = 0.0f;
+      for (int e = 0; e < cloud_.neighbour_count; ++e) sum += spacing[cloud_.neighbours_of(i)[e]];
+      mean[i] = sum / static_cast<float>(cloud_.neighbour_count);
+    });
+    return mean;
   }
 
   // Finds the bricks that dense samples reach, and numbers the sets of them that touch each other.

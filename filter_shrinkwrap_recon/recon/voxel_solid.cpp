@@ -346,8 +346,7 @@ class Classification {
         [&](Index begin, Index end, std::vector<std::uint64_t>& unknown) {
           for (Index i = begin; i < end; ++i)
             for (Index k = 0; k < 27; ++k) {
-              const Voxel brick =
-                  known.brick(bricks[i]) + Voxel{k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+              const Voxel brick = around(known.brick(bricks[i]), k);
               if (known.find(brick) == kNone) unknown.push_back(key_of(brick));
             }
           sort_unique(unknown);
@@ -407,11 +406,12 @@ VoxelSolid make_voxel_solid(const PointCloud& cloud, const WindingNumber& windin
   return Classification(cloud, winding, options).run(progress);
 }
 
-void classify_bricks(VoxelSolid& solid, const std::vector<Index>& bricks, double least_spacing,
-                     const PointCloud& cloud, const WindingNumber& winding,
-                     const InitialMeshOptions& options, Progress& progress) {
-  solid = Classification(cloud, winding, options, std::move(solid))
-              .run(bricks, least_spacing, progress);
+VoxelSolid with_bricks_classified(VoxelSolid solid, const std::vector<Index>& bricks,
+                                  double least_spacing, const PointCloud& cloud,
+                                  const WindingNumber& winding, const InitialMeshOptions& options,
+                                  Progress& progress) {
+  return Classification(cloud, winding, options, std::move(solid))
+      .run(bricks, least_spacing, progress);
 }
 
 }  // namespace shrinkwrap

@@ -40,11 +40,11 @@ struct VoxelSolid {
 VoxelSolid make_voxel_solid(const PointCloud& cloud, const WindingNumber& winding,
                             const InitialMeshOptions& options, Progress& progress);
 
-/// Classifies the voxels of some bricks of a solid anew, near samples, which count as at least
-/// `least_spacing` (x median) apart. Pre: `near_samples` has all bricks. If it throws Cancelled,
-/// the solid is lost.
-void classify_bricks(VoxelSolid& solid, const std::vector<Index>& bricks, double least_spacing,
-                     const PointCloud& cloud, const WindingNumber& winding,
-                     const InitialMeshOptions& options, Progress& progress);
+/// The solid with the voxels of some bricks, in reach of samples, classified anew: samples count as
+/// at least `least_spacing` (x median) apart. Pre: `near_samples` has all bricks.
+VoxelSolid with_bricks_classified(VoxelSolid solid, const std::vector<Index>& bricks,
+                                  double least_spacing, const PointCloud& cloud,
+                                  const WindingNumber& winding, const InitialMeshOptions& options,
+                                  Progress& progress);
 
 }  // namespace shrinkwrap
