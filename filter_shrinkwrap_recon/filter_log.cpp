@@ -197,6 +197,10 @@ void tell_of(const OutlierReport& report, FilterOutcome& outcome) {
         count_of(report.suspected, "sample") +
         " seem stray, which is too many: none is left out. Remove by hand what is no part of the "
         "surface.");
+  if (report.on_surface > 0)
+    outcome.log.push_back(count_of(report.on_surface, "sample") +
+                          " apart from the rest lie on the surface that passes through it: no "
+                          "outliers.");
 }
 
 std::string but_outliers(const OutlierReport& report) {

@@ -8,6 +8,7 @@
 
 #include "filter_log.h"
 #include "memory_estimate.h"
+#include "outliers_on_surface.h"
 #include "parallel.h"
 #include "stage_qualities.h"
 #include "voxel_search.h"
@@ -50,16 +51,26 @@ ResultMesh outlier_layer(const OutlierReport& report, const std::vector<Vec3>& p
 
 // --- the samples of a stage that runs on its own ---
 
-PointCloud prepare(const FilterInput& input, const ReconstructionOptions& options,
-                   Progress& progress, FilterOutcome& outcome) {
+PointCloud without_outliers(const FilterInput& input, const ReconstructionOptions& options,
+                            OutlierReport& outliers, Progress& progress) {
   PointCloud cloud = prepare_samples(input.points, options.samples, progress);
-  OutlierReport outliers;
   if (options.outliers.exclude)
     outliers = exclude_outliers(cloud, input.points, options.samples, options.outliers, progress);
-  tell_of(outliers, outcome);
-  outcome.outliers = outlier_layer(outliers, input.points);
+  return cloud;
+}
+
+void tell_of_spacing(const PointCloud& cloud, FilterOutcome& outcome) {
   outcome.log.push_back(
       conditioning_line(cloud.conditioning, cloud.frame.to_input_length(cloud.spacing)));
+}
+
+PointCloud prepare(const FilterInput& input, const ReconstructionOptions& options,
+                   Progress& progress, FilterOutcome& outcome) {
+  OutlierReport outliers;
+  PointCloud cloud = without_outliers(input, options, outliers, progress);
+  tell_of(outliers, outcome);
+  outcome.outliers = outlier_layer(outliers, input.points);
+  tell_of_spacing(cloud, outcome);
   return cloud;
 }
 
@@ -75,11 +86,20 @@ PointCloud prepare_oriented(const FilterInput& input, ReconstructionOptions& opt
 
 // As a parametric surface meets them: where they are, with the normals that it was made with.
 PointCloud prepare_to_match(const FilterInput& input, ReconstructionOptions options,
-                            Progress& progress, FilterOutcome& outcome) {
-  PointCloud cloud = prepare(input, options, progress, outcome);
+                            OutlierReport& outliers, Progress& progress, FilterOutcome& outcome) {
+  PointCloud cloud = without_outliers(input, options, outliers, progress);
+  tell_of_spacing(cloud, outcome);
   warn_of(orient_and_smooth(cloud, options, progress).orientation, outcome.warnings);
   if (cloud.is_denoised())
     undo_denoising(cloud, input.points, options.samples.neighbours, progress);
+  return cloud;
+}
+
+// As a mesh through them has them: with the outliers that the matching made samples again.
+PointCloud prepare_as_matched(const FilterInput& input, const ReconstructionOptions& options,
+                              OutlierReport& outliers, Progress& progress) {
+  PointCloud cloud = without_outliers(input, options, outliers, progress);
+  keep_outliers_among(cloud, outliers, input.points, input.mesh.position, progress);
   return cloud;
 }
 
@@ -105,8 +125,8 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   outcome.log.push_back(table_row("total", static_cast<Index>(result.mesh.position.size()), total));
   for (std::string& line : describe(result.report)) outcome.log.push_back(std::move(line));
   tell_of_attempts(result, outcome);
-  outcome.log.push_back(kSucceeded + verdict_of(result.report) + but_outliers(result.outliers));
   tell_of(result.outliers, outcome);
+  outcome.log.push_back(kSucceeded + verdict_of(result.report) + but_outliers(result.outliers));
   outcome.outliers = outlier_layer(result.outliers, input.points);
   warn_of(result.orientation, outcome.warnings);
   warn_of(result.initial_mesh, outcome.warnings);
@@ -189,10 +209,12 @@ FilterOutcome run_parametric_surface(const FilterRequest& request, const FilterI
 FilterOutcome run_complete_matching(const FilterRequest& request, const FilterInput& input,
                                     Progress& progress) {
   FilterOutcome outcome;
-  const PointCloud cloud = prepare_to_match(input, request.options, progress, outcome);
+  OutlierReport outliers;
+  PointCloud cloud = prepare_to_match(input, request.options, outliers, progress, outcome);
   const SurfaceMesh surface = closed_surface(input.mesh, cloud.frame);
   CompleteMatching matching =
-      match_samples(surface, cloud, request.options.complete_matching, progress);
+      match_cloud(surface, cloud, outliers, input.points, request.options, progress);
+  tell_of(outliers, outcome);
   warn_of(matching.report, outcome.warnings);
   warn_of_openings(request.options, outcome.warnings);
   outcome.log.push_back("distance of the samples from the parametric surface: mean " +
@@ -268,7 +290,10 @@ CompleteMatching matching_of(const FilterInput& input, const PointCloud& cloud) 
 FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterInput& input,
                                     Progress& progress) {
   FilterOutcome outcome;
-  const PointCloud cloud = prepare(input, request.options, progress, outcome);
+  OutlierReport outliers;
+  const PointCloud cloud = prepare_as_matched(input, request.options, outliers, progress);
+  tell_of(outliers, outcome);
+  tell_of_spacing(cloud, outcome);
   CompleteMatching matching = matching_of(input, cloud);
   matching.spanning_faces = spanning_faces(input.mesh, cloud.frame.to_input_length(cloud.spacing));
   OptimisedMesh optimised =
@@ -298,12 +323,11 @@ FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterIn
   return outcome;
 }
 
-// The samples that are no outliers; all of them where no cloud can be made of them.
-std::vector<Vec3> without_outliers(const FilterInput& input, const ReconstructionOptions& options,
+// The samples that a mesh is to pass through; all of them where no cloud can be made of them.
+std::vector<Vec3> samples_to_match(const FilterInput& input, const ReconstructionOptions& options,
                                    OutlierReport& outliers, Progress& progress) {
   try {
-    PointCloud cloud = prepare_samples(input.points, options.samples, progress);
-    outliers = exclude_outliers(cloud, input.points, options.samples, options.outliers, progress);
+    const PointCloud cloud = prepare_as_matched(input, options, outliers, progress);
     return points_at(input.points, cloud.input_index);
   } catch (const InvalidInput&) {
     return input.points;
@@ -319,7 +343,7 @@ FilterOutcome run_matching_report(const FilterRequest& request, const FilterInpu
   OutlierReport outliers;
   // Only if samples are missing does it matter which of them are outliers.
   if (report.samples_missing > 0 && request.options.outliers.exclude) {
-    const std::vector<Vec3> kept = without_outliers(input, request.options, outliers, progress);
+    const std::vector<Vec3> kept = samples_to_match(input, request.options, outliers, progress);
     if (!outliers.input_index.empty()) {
       MeshReportOptions again = request.options.report;
       again.count_self_intersections = false;

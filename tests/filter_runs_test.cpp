@@ -143,6 +143,34 @@ bool is_told(const FilterOutcome& outcome, const std::string& what) {
                      [&](const std::string& line) { return line.find(what) != std::string::npos; });
 }
 
+// The matching makes them samples again, and the stages after it find them among the vertices.
+TEST(FilterRuns, ChainThatKeepsOutliersGivesTheBytesOfTheOneShot) {
+  constexpr double kCell = 1.0 / 32;
+  const Vec3 alone(0.5, 4 * kCell, 0.0), stray(0.5, 0.5, 1.25);
+  FilterInput input;
+  input.points = {alone, stray};
+  for (int i = 0; i <= 32; ++i)
+    for (int j = 0; j <= 32; ++j)
+      for (int k = 0; k <= 32; ++k) {
+        const Vec3 p = kCell * Vec3(i, j, k);
+        if ((i % 32 == 0 || j % 32 == 0 || k % 32 == 0) && (p - alone).norm() > 4.2 * kCell)
+          input.points.push_back(p);
+      }
+  const FilterOutcome one_shot = run(Filter::reconstruct, input);
+  const Index count = static_cast<Index>(input.points.size()) - 1;
+  EXPECT_EQ(one_shot.mesh.position.size(), static_cast<std::size_t>(count));
+  EXPECT_TRUE(is_told(one_shot, "1 sample apart from the rest"));
+  ASSERT_EQ(one_shot.outliers.position.size(), 1u);
+  EXPECT_EQ(one_shot.outliers.position[0], stray);
+  const FilterOutcome chain = run_chain(input.points, {});
+  expect_same_bytes(one_shot.mesh, chain.mesh);
+  EXPECT_EQ(std::get<Index>(chain.figures.at("outliers")), 1);
+  const FilterOutcome report = run(Filter::matching_report, through_layer(input.points, one_shot));
+  EXPECT_EQ(std::get<Index>(report.figures.at("samples_matched")), count);
+  EXPECT_EQ(std::get<Index>(report.figures.at("extra_vertices")), 0);
+  EXPECT_EQ(std::get<Index>(report.figures.at("outliers")), 1);
+}
+
 // What is stray depends on the neighbourhoods: stages that take others would lose each other.
 TEST(FilterRuns, EveryStageLeavesOutTheSameStrays) {
   Random random(21);

@@ -39,6 +39,11 @@ struct OutlierOptions {
   double height = 2.5;             ///< over the plane of its neighbours, x their spacing, at least
   double height_deviations = 7.0;  ///< x their own deviation from that plane, at least
 
+  /// Once there is a mesh through the others, outliers are samples again that are nearer to it than
+  /// so many times their distance from the nearest sample (outliers_on_surface.h).
+  double foot = 0.25;
+  double widest_gap = 4.0;  ///< that distance, x the larger of median and local spacing, at most
+
   /// If more than this part of the samples seems stray, none is left out: what is so frequent is
   /// how the cloud was taken.
   double most = 0.2;
@@ -48,8 +53,9 @@ struct OutlierOptions {
 
 struct OutlierReport {
   std::vector<Index> input_index;  ///< of the samples left out, ascending
-  Index suspected = 0;  ///< more than that if so many seemed stray that none was left out
-  int rounds = 0;       ///< of the search
+  Index suspected = 0;   ///< more than that if so many seemed stray that none was left out
+  int rounds = 0;        ///< of the search
+  Index on_surface = 0;  ///< that were left out, and are samples again: not among `input_index`
 };
 
 /// The stray samples of a cloud, ascending, found in one round. O(N) expected, parallel,

@@ -11,6 +11,7 @@
 #include "finish_matching.h"
 #include "freed_memory.h"
 #include "memory_estimate.h"
+#include "outliers_on_surface.h"
 #include "self_intersection.h"
 #include "stage_qualities.h"
 
@@ -136,13 +137,14 @@ SurfaceMesh make_surface(const PointCloud& cloud, const ReconstructionOptions& o
 }
 
 // From the parametric surface to the mesh through every sample.
-void match(SurfaceMesh parametric, const PointCloud& cloud, const std::vector<Vec3>& points,
+void match(SurfaceMesh parametric, PointCloud& cloud, const std::vector<Vec3>& points,
            const ReconstructionOptions& options, Reconstruction& result, StageLog& log,
            Progress& progress) {
   const SurfaceMesh surface = options.keep_stages ? parametric : SurfaceMesh();
   CompleteMatching matching =
-      match_samples(std::move(parametric), cloud, options.complete_matching, progress);
+      match_cloud(std::move(parametric), cloud, result.outliers, points, options, progress);
   result.complete_matching = matching.report;
+  result.spacing = cloud.frame.to_input_length(cloud.spacing);
   const auto distances = [&](const ResultMesh& stage) {
     return distances_from_surface(stage, surface, cloud.frame, progress);
   };
@@ -209,7 +211,8 @@ void keep_better(Reconstruction& first, Reconstruction& second, const SecondAtte
   first.*which = attempt;
 }
 
-// If the first attempt has faults, makes `second` by `make`, and keeps the better of the two. There
+// If the first attempt has faults, makes `second` by `make`, of the same samples, and keeps the
+// better of the two. There
 // is a mesh already: that the second cannot be finished is no failure of the run. A cloud most of
 // whose faces are at fault shows no surface, and is left at that.
 template <class Make>
@@ -220,6 +223,8 @@ void try_again(Reconstruction& first, Reconstruction& second, Index samples,
   const Index faces = static_cast<Index>(first.mesh.triangles.size());
   if (attempt.faults_before == 0 || attempt.faults_before >= faces / 2) return;
   attempt.is_made = true;
+  second.outliers = first.outliers;  // some may be samples by now
+  second.spacing = first.spacing;
   try {
     make();
     const Index faults = faults_of(second, samples);
@@ -241,7 +246,7 @@ void try_again(Reconstruction& first, Reconstruction& second, Index samples,
 
 // The same again with the backs of sheets as openings, where they may have done harm. Near the
 // samples of the front, they run into it; but a thin wall has a back too.
-void match_sheets(SurfaceMesh parametric, const PointCloud& cloud, const std::vector<Vec3>& points,
+void match_sheets(SurfaceMesh parametric, PointCloud& cloud, const std::vector<Vec3>& points,
                   ReconstructionOptions options, Reconstruction& result, StageLog& log,
                   Progress& progress) {
   if (result.parametric_surface.membrane_vertices == 0 || !options.intersection_repair.enabled ||
@@ -260,6 +265,7 @@ void match_sheets(SurfaceMesh parametric, const PointCloud& cloud, const std::ve
   }
   if (result.complete_matching.backs == 0) return;
   options.complete_matching.backs_are_openings = true;
+  options.outliers.foot = 0.0;
   const ProgressShare share(progress, kFirst * end, kFirst * end + 1.0 - kFirst);
   try_again(result, second, cloud.size(), &Reconstruction::backs, progress, [&] {
     StageLog second_log(second, options);
@@ -274,6 +280,7 @@ void match_smoothed(PointCloud& cloud, const std::vector<Vec3>& points, const No
                     ReconstructionOptions options, Reconstruction& result, Progress& progress) {
   StageLog log(result, options);
   options.stop_at_parametric_surface = true;
+  options.outliers.foot = 0.0;
   progress.begin(Stage::orientation);
   smooth_for_noise(cloud, noise, options, result.orientation, progress);
   log.add(Stage::orientation, cloud.size());
@@ -417,6 +424,21 @@ FittedSurface fit_surface(SurfaceMesh control, const PointCloud& cloud,
   }
   measure_distances(result.surface, cloud, options.parametric_surface, progress);
   return result;
+}
+
+CompleteMatching match_cloud(SurfaceMesh parametric, PointCloud& cloud, OutlierReport& outliers,
+                             const std::vector<Vec3>& points, const ReconstructionOptions& options,
+                             Progress& progress) {
+  if (outliers.input_index.empty())
+    return match_samples(std::move(parametric), cloud, options.complete_matching, progress);
+  progress.begin(Stage::complete_matching);
+  progress.set_part(0.0, 0.5);
+  CompleteMatching matching = match_samples(parametric, cloud, options.complete_matching, progress);
+  if (keep_outliers_on_surface(cloud, outliers, points, matching.mesh, options.outliers,
+                               progress) == 0)
+    return matching;
+  progress.set_part(0.5, 1.0);
+  return match_samples(std::move(parametric), cloud, options.complete_matching, progress);
 }
 
 OptimisedMesh optimise_matching(CompleteMatching& matching, const PointCloud& cloud,

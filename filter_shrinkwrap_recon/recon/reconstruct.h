@@ -135,6 +135,12 @@ struct FittedSurface {
 FittedSurface fit_surface(SurfaceMesh control, const PointCloud& cloud,
                           const ReconstructionOptions& options, Progress& progress);
 
+/// `match_samples`; if some of the outliers lie on the mesh, they become samples of the cloud, and
+/// the surface is matched once more (outliers_on_surface.h). `points`: those that the cloud is of.
+CompleteMatching match_cloud(SurfaceMesh parametric, PointCloud& cloud, OutlierReport& outliers,
+                             const std::vector<Vec3>& points, const ReconstructionOptions& options,
+                             Progress& progress);
+
 struct OptimisedMesh {
   ResultMesh mesh;  ///< in the caller's frame, with face qualities as Reconstruction::mesh has them
   OpeningsReport openings;

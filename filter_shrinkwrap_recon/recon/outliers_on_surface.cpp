@@ -1,0 +1,100 @@
+#include "outliers_on_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "face_tree.h"
+#include "morton.h"
+#include "triangle_geometry.h"
+
+namespace shrinkwrap {
+namespace {
+
+// An outlier that becomes a sample.
+struct Kept {
+  Index input_index;
+  Vec3f normal;
+};
+
+// Moves outliers, ascending, from the report to the cloud.
+void keep(const std::vector<Kept>& kept, PointCloud& cloud, OutlierReport& report,
+          const std::vector<Vec3>& points, Progress& progress) {
+  if (kept.empty()) return;
+  std::vector<Index> left, kept_index;
+  for (const Kept& outlier : kept) kept_index.push_back(outlier.input_index);
+  std::set_difference(report.input_index.begin(), report.input_index.end(), kept_index.begin(),
+                      kept_index.end(), std::back_inserter(left));
+
+  std::vector<Vec3> position = cloud.position;
+  for (const Index i : kept_index) position.push_back(cloud.frame.to_unit(points[i]));
+  const std::vector<Index> order = morton_order(position, progress);
+  PointCloud next;
+  next.frame = cloud.frame;
+  next.conditioning = cloud.conditioning;
+  std::vector<Vec3f> normal;
+  for (const Index i : order) {
+    const bool is_new = i >= cloud.size();
+    const Kept outlier =
+        is_new ? kept[i - cloud.size()] : Kept{cloud.input_index[i], cloud.normal[i]};
+    next.position.push_back(position[i]);
+    next.input_index.push_back(outlier.input_index);
+    normal.push_back(outlier.normal);
+    if (!cloud.plane.empty())
+      next.plane.push_back(is_new ? TangentPlane{position[i].cast<float>(), outlier.normal}
+                                  : cloud.plane[i]);
+  }
+  next.search = VoxelSearch(next.position, progress);
+  measure_neighbourhoods(next, cloud.neighbour_count, progress);
+  next.normal = std::move(normal);
+  cloud = std::move(next);
+  report.on_surface += static_cast<Index>(kept.size());
+  report.input_index = std::move(left);
+}
+
+}  // namespace
+
+Index keep_outliers_on_surface(PointCloud& cloud, OutlierReport& report,
+                               const std::vector<Vec3>& points, const SurfaceMesh& mesh,
+                               const OutlierOptions& options, Progress& progress) {
+  if (report.input_index.empty() || !(options.foot > 0.0)) return 0;
+  const FaceTree tree(mesh, progress);
+  const auto any = [](Index) { return true; };
+  FaceTree::Anchor anchor;
+  std::vector<Kept> kept;
+  for (const Index i : report.input_index) {
+    progress.update(0.0);
+    const Vec3 p = cloud.frame.to_unit(points[i]);
+    const VoxelSearch::Hit nearest = cloud.search.nearest(p);
+    const double gap = std::sqrt(nearest.squared_distance);
+    const double spacing =
+        std::max(cloud.spacing, static_cast<double>(cloud.local_spacing[nearest.index]));
+    if (gap > options.widest_gap * spacing) continue;
+    const Index face = tree.nearest(p, std::pow(options.foot * gap, 2), kNone, any, anchor).face;
+    if (face == kNone) continue;
+    kept.push_back({i, unit_or_zero(mesh.area_vector(face)).cast<float>()});
+  }
+  keep(kept, cloud, report, points, progress);
+  return static_cast<Index>(kept.size());
+}
+
+void keep_outliers_among(PointCloud& cloud, OutlierReport& report, const std::vector<Vec3>& points,
+                         const std::vector<Vec3>& vertices, Progress& progress) {
+  if (report.input_index.empty()) return;
+  const auto before = [](const Vec3& p, const Vec3& q) {
+    return std::lexicographical_compare(p.data(), p.data() + 3, q.data(), q.data() + 3);
+  };
+  std::vector<Vec3> outliers = points_at(points, report.input_index), found;
+  std::sort(outliers.begin(), outliers.end(), before);
+  for (const Vec3& vertex : vertices)
+    if (std::binary_search(outliers.begin(), outliers.end(), vertex, before))
+      found.push_back(vertex);
+  std::sort(found.begin(), found.end(), before);
+  std::vector<Kept> kept;
+  for (const Index i : report.input_index)
+    if (std::binary_search(found.begin(), found.end(), points[i], before))
+      kept.push_back({i, Vec3f::UnitZ()});
+  keep(kept, cloud, report, points, progress);
+}
+
+}  // namespace shrinkwrap

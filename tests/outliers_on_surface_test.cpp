@@ -1,0 +1,177 @@
+#include "outliers_on_surface.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "reconstruct.h"
+#include "shapes.h"
+
+namespace {
+
+using namespace shrinkwrap;
+using namespace shrinkwrap::testing;
+
+constexpr Index kAlone = 4;
+
+// A cube with samples on a grid of 32 cells, but for a gap around each of four samples, the first,
+// close to an edge: stray by all that distances tell, since many of the samples around each lie on
+// the other face.
+std::vector<Vec3> cube_with_gaps() {
+  constexpr int kCells = 32;
+  constexpr double kCell = 1.0 / kCells;
+  std::vector<Vec3> points = {{0.25, 4 * kCell, 0.0},
+                              {0.75, 4 * kCell, 0.0},
+                              {1.0, 0.25, 4 * kCell},
+                              {1.0, 0.75, 4 * kCell}};
+  const std::vector<Vec3> alone = points;
+  for (int i = 0; i <= kCells; ++i)
+    for (int j = 0; j <= kCells; ++j)
+      for (int k = 0; k <= kCells; ++k) {
+        if (i % kCells != 0 && j % kCells != 0 && k % kCells != 0) continue;
+        const Vec3 p(i * kCell, j * kCell, k * kCell);
+        if (std::all_of(alone.begin(), alone.end(),
+                        [&](const Vec3& a) { return (p - a).norm() > 4.2 * kCell; }))
+          points.push_back(p);
+      }
+  return points;
+}
+
+struct Cleaned {
+  PointCloud cloud;
+  OutlierReport report;
+};
+
+Cleaned cleaned(const std::vector<Vec3>& points) {
+  Progress silent;
+  Cleaned result;
+  result.cloud = prepare_samples(points, {}, silent);
+  result.report = exclude_outliers(result.cloud, points, {}, {}, silent);
+  orient_normals(result.cloud, {}, silent);
+  return result;
+}
+
+Reconstruction reconstructed(const std::vector<Vec3>& points, double foot, int threads = 0) {
+  Progress silent;
+  ReconstructionOptions options;
+  options.outliers.foot = foot;
+  options.threads = threads;
+  return reconstruct(points, options, silent);
+}
+
+// The cube itself, its six sides two triangles each.
+SurfaceMesh cube_surface(const Frame& frame) {
+  std::vector<Vec3> corners;
+  for (int c = 0; c < 8; ++c) corners.push_back(frame.to_unit(Vec3(c & 1, c >> 1 & 1, c >> 2)));
+  return SurfaceMesh::from_triangles(corners, {{0, 2, 1},
+                                               {1, 2, 3},
+                                               {4, 5, 6},
+                                               {5, 7, 6},
+                                               {0, 1, 4},
+                                               {1, 5, 4},
+                                               {2, 6, 3},
+                                               {3, 6, 7},
+                                               {0, 4, 2},
+                                               {2, 4, 6},
+                                               {1, 3, 5},
+                                               {3, 7, 5}});
+}
+
+TEST(OutliersOnSurface, SamplesAloneInAFaceBecomeVertices) {
+  const std::vector<Vec3> points = cube_with_gaps();
+  const Reconstruction without = reconstructed(points, 0.0);
+  ASSERT_EQ(without.outliers.input_index, (std::vector<Index>{0, 1, 2, 3}));
+  EXPECT_EQ(without.outliers.on_surface, 0);
+
+  const Reconstruction with = reconstructed(points, OutlierOptions().foot);
+  EXPECT_TRUE(with.outliers.input_index.empty());
+  EXPECT_EQ(with.outliers.on_surface, kAlone);
+  EXPECT_EQ(with.report.samples, static_cast<Index>(points.size()));
+  EXPECT_EQ(with.report.samples_matched, with.report.samples);
+  EXPECT_EQ(with.report.vertices_extra, 0);
+  EXPECT_EQ(with.report.self_intersecting_faces, 0);
+  EXPECT_EQ(with.report.genus, 0);
+  EXPECT_TRUE(with.report.closed());
+  for (Index i = 0; i < kAlone; ++i) EXPECT_EQ(with.mesh.position[i], points[i]);
+}
+
+TEST(OutliersOnSurface, StrayPointsOverAFaceOrInAnOpeningStayOutliers) {
+  std::vector<Vec3> points = cube_with_gaps();
+  const double height = 4.5 / 32;
+  const Index stray = static_cast<Index>(points.size());
+  points.push_back({0.5, 0.5, 1.0 + height});
+  points.push_back({-height, 0.5, 0.5});
+  const Reconstruction result = reconstructed(points, OutlierOptions().foot);
+  EXPECT_EQ(result.outliers.input_index, (std::vector<Index>{stray, stray + 1}));
+  EXPECT_EQ(result.outliers.on_surface, kAlone);
+
+  std::vector<Vec3> cap = sample_shape_blue_noise(ShapeKind::hemisphere, 3000, 1);
+  cap.push_back(Vec3::Zero());
+  const Reconstruction open = reconstructed(cap, OutlierOptions().foot);
+  EXPECT_EQ(open.outliers.input_index, (std::vector<Index>{static_cast<Index>(cap.size()) - 1}));
+}
+
+// As if the samples had never been away.
+TEST(OutliersOnSurface, TheCloudIsThatOfAllTheSamples) {
+  const std::vector<Vec3> points = cube_with_gaps();
+  Progress silent;
+  const PointCloud whole = prepare_samples(points, {}, silent);
+  Cleaned some = cleaned(points);
+  ASSERT_EQ(some.cloud.size(), whole.size() - kAlone);
+  EXPECT_EQ(keep_outliers_on_surface(some.cloud, some.report, points,
+                                     cube_surface(some.cloud.frame), {}, silent),
+            kAlone);
+  EXPECT_TRUE(some.report.input_index.empty());
+  EXPECT_EQ(some.cloud.position, whole.position);
+  EXPECT_EQ(some.cloud.input_index, whole.input_index);
+  EXPECT_EQ(some.cloud.neighbour, whole.neighbour);
+  EXPECT_EQ(some.cloud.local_spacing, whole.local_spacing);
+  EXPECT_EQ(some.cloud.spacing, whole.spacing);
+  ASSERT_EQ(some.cloud.plane.size(), whole.position.size());
+  const PointCloud others = cleaned(points).cloud;
+  Index other = 0;
+  for (Index i = 0; i < whole.size(); ++i) {
+    const Index input = whole.input_index[i];
+    EXPECT_EQ(some.cloud.plane[i].normal.norm() > 0.99f, true);
+    if (input >= kAlone)
+      EXPECT_EQ(some.cloud.normal[i], others.normal[other++]);
+    else
+      EXPECT_EQ(some.cloud.normal[i], input < 2 ? Vec3f(0, 0, -1) : Vec3f(1, 0, 0));
+  }
+}
+
+TEST(OutliersOnSurface, VerticesOfAMeshAreSamples) {
+  const std::vector<Vec3> points = cube_with_gaps();
+  Progress silent;
+  Cleaned some = cleaned(points);
+  const std::vector<Vec3> vertices = {points[100], points[2], {0.5, 0.5, 0.5}, points[0]};
+  keep_outliers_among(some.cloud, some.report, points, vertices, silent);
+  EXPECT_EQ(some.report.input_index, (std::vector<Index>{1, 3}));
+  EXPECT_EQ(some.report.on_surface, 2);
+  EXPECT_EQ(some.cloud.size(), static_cast<Index>(points.size()) - 2);
+  EXPECT_EQ(std::count(some.cloud.input_index.begin(), some.cloud.input_index.end(), 2), 1);
+}
+
+TEST(OutliersOnSurface, ThreadsDoNotMatter) {
+  const std::vector<Vec3> points = cube_with_gaps();
+  const double foot = OutlierOptions().foot;
+  const Reconstruction one = reconstructed(points, foot, 1), three = reconstructed(points, foot, 3);
+  EXPECT_EQ(one.mesh.triangles, three.mesh.triangles);
+  EXPECT_EQ(one.outliers.on_surface, three.outliers.on_surface);
+}
+
+TEST(OutliersOnSurface, ACancelledRunLosesNothing) {
+  const std::vector<Vec3> points = cube_with_gaps();
+  Cleaned some = cleaned(points);
+  const std::vector<Vec3> position = some.cloud.position;
+  Progress cancelled([](double, const char*) { return false; }, {Stage::complete_matching});
+  EXPECT_THROW(cancelled.begin(Stage::complete_matching), Cancelled);
+  EXPECT_THROW(keep_outliers_on_surface(some.cloud, some.report, points,
+                                        cube_surface(some.cloud.frame), {}, cancelled),
+               Cancelled);
+  EXPECT_EQ(some.cloud.position, position);
+  EXPECT_EQ(some.report.input_index.size(), static_cast<std::size_t>(kAlone));
+}
+
+}  // namespace
