@@ -112,6 +112,33 @@ TEST(OutliersOnSurface, StrayPointsOverAFaceOrInAnOpeningStayOutliers) {
   EXPECT_EQ(open.outliers.input_index, (std::vector<Index>{static_cast<Index>(cap.size()) - 1}));
 }
 
+// A second attempt is made of the samples that the first found.
+TEST(OutliersOnSurface, ASecondAttemptHasTheSameSamples) {
+  int backs = 0, smoothings = 0;
+  for (const double noisy_from : {0.2, -1.0})
+    for (const unsigned seed : {1u, 2u}) {
+      SCOPED_TRACE(seed);
+      Random random(seed);
+      std::vector<Vec3> points = cube_with_gaps();
+      // Two noisy layers, too close to each other to be told apart.
+      for (int i = 0; i < 32; ++i)
+        for (int j = 0; j < 32; ++j)
+          for (const double z : {0.0, 1.0})
+            points.push_back((Vec3(48 + i, j, z) + 0.5 * random.in_cube()) / 32.0);
+      Progress silent;
+      ReconstructionOptions options;
+      options.noise.high = options.denoising.from = noisy_from;
+      const Reconstruction result = reconstruct(points, options, silent);
+      backs += result.backs.is_made && result.backs.is_finished;
+      smoothings += result.smoothing.is_made && result.smoothing.is_finished;
+      EXPECT_TRUE(result.outliers.input_index.empty());
+      EXPECT_EQ(result.outliers.on_surface, kAlone);
+      EXPECT_EQ(result.report.samples_matched, static_cast<Index>(points.size()));
+    }
+  EXPECT_GE(backs, 2);
+  EXPECT_GE(smoothings, 2);
+}
+
 // As if the samples had never been away.
 TEST(OutliersOnSurface, TheCloudIsThatOfAllTheSamples) {
   const std::vector<Vec3> points = cube_with_gaps();
