@@ -98,7 +98,7 @@ TEST(OutliersOnSurface, SamplesAloneInAFaceBecomeVertices) {
 
 TEST(OutliersOnSurface, StrayPointsOverAFaceOrInAnOpeningStayOutliers) {
   std::vector<Vec3> points = cube_with_gaps();
-  const double height = 4.5 / 32;
+  const double height = 3.6 / 32;
   const Index stray = static_cast<Index>(points.size());
   points.push_back({0.5, 0.5, 1.0 + height});
   points.push_back({-height, 0.5, 0.5});

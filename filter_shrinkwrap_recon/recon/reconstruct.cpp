@@ -224,7 +224,6 @@ void try_again(Reconstruction& first, Reconstruction& second, Index samples,
   if (attempt.faults_before == 0 || attempt.faults_before >= faces / 2) return;
   attempt.is_made = true;
   second.outliers = first.outliers;  // some may be samples by now
-  second.spacing = first.spacing;
   try {
     make();
     const Index faults = faults_of(second, samples);
