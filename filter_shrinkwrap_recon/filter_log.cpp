@@ -138,7 +138,7 @@ void tell_of_attempts(const Reconstruction& result, FilterOutcome& outcome) {
                                                : "no mesh came of it"));
   };
   tell(result.backs, "with the backs of sheets, where no sample is, as openings");
-  tell(result.smoothing, "with a surface smoothed for the noise");
+  tell(result.smoothing, "with a surface smoothed for the noise, of quadrics in place of planes");
 }
 
 std::string openings_line(const OpeningsReport& report) {

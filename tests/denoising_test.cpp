@@ -72,7 +72,7 @@ TEST(Denoising, MovesSamplesOntoTheSurface) {
       const PointCloud before = oriented(points), after = denoised(points);
       const double spacing = before.frame.to_input_length(before.spacing);
       const Errors was = errors_of(before, shape, spacing), is = errors_of(after, shape, spacing);
-      EXPECT_LT(is.size, 0.45 * was.size);
+      EXPECT_LT(is.size, 0.48 * was.size);
       EXPECT_LT(std::abs(is.outward), 0.1 * was.size) << "neither shrunk nor grown";
       EXPECT_GT(is.cosine, was.cosine - 0.001);
       EXPECT_GT(is.cosine, 0.98);
@@ -84,7 +84,7 @@ TEST(Denoising, LeavesDetailWhereItIs) {
   const std::vector<Vec3> points = sample_shape(ShapeKind::box, 6000, 2);
   const PointCloud before = oriented(points), after = denoised(points);
   const double spacing = before.frame.to_input_length(before.spacing);
-  EXPECT_LT(errors_of(after, box, spacing).size, 0.03) << "edges are not rounded without noise";
+  EXPECT_LT(errors_of(after, box, spacing).size, 0.001) << "edges are not rounded without noise";
 
   const std::vector<Vec3> rough = noisy(ShapeKind::box, 6000, 2, 0.25);
   DenoisingOptions careless;
@@ -298,20 +298,51 @@ Reconstruction reconstruct_with(const std::vector<Vec3>& points,
   return reconstruct(points, options, silent);
 }
 
-TEST(Denoising, IsForNoisyClouds) {
-  const std::vector<Vec3> clean = sample_shape(ShapeKind::torus, 3000, 7),
-                          rough = noisy(ShapeKind::torus, 3000, 7, 0.12);
-  ReconstructionOptions surface, never;
-  surface.stop_at_parametric_surface = never.stop_at_parametric_surface = true;
-  never.denoising.from = 1e6;
-  EXPECT_EQ(reconstruct_with(clean, surface).mesh.position,
-            reconstruct_with(clean, never).mesh.position);
-  EXPECT_NE(reconstruct_with(rough, surface).mesh.position,
-            reconstruct_with(rough, never).mesh.position);
-  surface.stop_at_parametric_surface = never.stop_at_parametric_surface = false;
-  EXPECT_EQ(reconstruct_with(rough, surface).mesh.triangles,
-            reconstruct_with(rough, never).mesh.triangles)
-      << "a mesh through the samples needs it only where there is more noise";
+double mean_distance(const Reconstruction& result, const Shape& shape) {
+  double sum = 0.0;
+  for (const Vec3& p : result.mesh.position) sum += std::abs(shape.implicit(p));
+  return sum / static_cast<double>(result.mesh.position.size());
+}
+
+TEST(Denoising, IsForSurfacesAtWhichRunsStop) {
+  for (const ShapeKind kind : {ShapeKind::torus, ShapeKind::box})
+    for (const double noise : {0.0, 0.12}) {
+      const Shape shape = shape_of(kind);
+      SCOPED_TRACE(shape.name + " " + std::to_string(noise));
+      const std::vector<Vec3> points = noisy(kind, 3000, 7, noise);
+      ReconstructionOptions surface, never;
+      never.denoising.from = 1e6;
+      EXPECT_EQ(reconstruct_with(points, surface).mesh.triangles,
+                reconstruct_with(points, never).mesh.triangles)
+          << "a mesh through the samples needs it only where it has faults";
+      surface.stop_at_parametric_surface = never.stop_at_parametric_surface = true;
+      const double distance = mean_distance(reconstruct_with(points, surface), shape),
+                   of_planes = mean_distance(reconstruct_with(points, never), shape);
+      EXPECT_LT(distance, (noise > 0.0 ? 0.85 : 0.5) * of_planes);
+    }
+}
+
+// Few samples on both sides of a plate: planes mix them up where quadrics do not.
+TEST(Denoising, ParallelSheetsOfFewSamplesArePartedInASecondAttempt) {
+  for (const unsigned seed : {1u, 2u}) {
+    SCOPED_TRACE(seed);
+    const std::vector<Vec3> points = sample_shape(ShapeKind::thin_plate, 300, seed);
+    const Reconstruction result = reconstruct_with(points, {});
+    EXPECT_TRUE(result.smoothing.is_taken);
+    EXPECT_GT(result.smoothing.faults_before, 10);
+    EXPECT_EQ(result.report.self_intersecting_faces, 0);
+    EXPECT_EQ(result.report.genus, 0);
+    EXPECT_EQ(result.report.samples_matched, 300);
+  }
+}
+
+TEST(Denoising, ASecondAttemptWithMoreHandlesIsNotTaken) {
+  const std::vector<Vec3> points = sample_shape(ShapeKind::double_torus, 300, 3);
+  const Reconstruction result = reconstruct_with(points, {});
+  EXPECT_TRUE(result.smoothing.is_finished);
+  EXPECT_LT(result.smoothing.faults, result.smoothing.faults_before);
+  EXPECT_FALSE(result.smoothing.is_taken);
+  EXPECT_EQ(result.report.genus, 2);
 }
 
 }  // namespace

@@ -29,6 +29,9 @@ constexpr int kRounds = 3;   // ... the latter so many times in turn: over some 
 // Where there is much detail most residuals are too large: this part of the samples has less noise
 // than is taken for typical.
 constexpr double kTypical = 0.3;
+// A sample keeps of its height over the smallest quadric what exceeds so many times the square that
+// is typical: most samples have more noise than the typical.
+constexpr double kOwnEnergy = 1.5;
 constexpr double kLeastVariance = 1e-12;  // of the noise, in squared local spacings
 
 using Coefficients = Eigen::Matrix<double, kCoefficients, 1>;
@@ -130,9 +133,9 @@ class Denoiser {
   std::vector<Place> places(Progress& progress) {
     measure_noise(progress);
     measure_shapes(progress);
-    for (int size = 0; size + 1 < sizes_; ++size) {
-      progress.set_range(0.7 + 0.1 * size / sizes_, 0.7 + 0.1 * (size + 1) / sizes_);
-      add_detail(size, progress);
+    for (int step = 0; step < sizes_; ++step) {
+      progress.set_range(0.7 + 0.1 * step / sizes_, 0.7 + 0.1 * (step + 1) / sizes_);
+      add_detail(step, progress);
     }
     std::vector<Place> places(cloud_.position.size());
     parallel_for_each(cloud_.size(), kGrain, progress, [&](Index i) {
@@ -230,12 +233,13 @@ class Denoiser {
     return typical_noise_;
   }
 
-  // The quadrics of all sizes at each sample: the widest, and the steps from each to the next.
+  // The quadrics of all sizes at each sample: the widest, and the steps from each to the next, with
+  // that to the sample itself before the first.
   void measure_shapes(Progress& progress) {
     shape_.assign(cloud_.position.size(), {});
-    for (int size = 0; size + 1 < sizes_; ++size) {
-      step_[size].assign(cloud_.position.size(), {});
-      energy_[size].assign(cloud_.position.size(), {});
+    for (int step = 0; step < sizes_; ++step) {
+      step_[step].assign(cloud_.position.size(), {});
+      energy_[step].assign(cloud_.position.size(), {});
     }
     progress.set_range(0.2, 0.7);
     parallel_for_each(cloud_.size(), kGrain, progress, [&](Index i) { measure_shapes_at(i); });
@@ -262,13 +266,22 @@ class Denoiser {
       const Shape shape = {static_cast<float>(quadric.coefficient[0]),
                            static_cast<float>(quadric.coefficient[1]),
                            static_cast<float>(quadric.coefficient[2])};
-      if (!is_first) {
+      if (is_first) {
+        // The sample has a height, which is part of the fit, and no slopes. Beside an edge that no
+        // quadric fits it is the detail that makes the residuals.
+        const double spare = kOwnEnergy * (1.0 - std::min(quadric.variance[0], 1.0)) *
+                                 (typical_noise_ * typical_noise_ + kLeastVariance) +
+                             kLeastVariance;
+        step_[0][sample] = {-shape.height, 0.0f, 0.0f};
+        energy_[0][sample] = {
+            static_cast<float>(static_cast<double>(shape.height) * shape.height / spare), 0.0f};
+      } else {
         const Shape step = shape_[sample] - shape;
         // Of a nested pair the difference varies by the difference of the variances.
         const Kept spare =
             (smaller_variance - quadric.variance).cwiseMax(kLeastVariance) * squared_noise;
-        step_[size - 1][sample] = step;
-        energy_[size - 1][sample] = {
+        step_[size][sample] = step;
+        energy_[size][sample] = {
             static_cast<float>(step.height * step.height / spare[0]),
             static_cast<float>((step.u * step.u + step.v * step.v) / (spare[1] + spare[2]))};
       }
@@ -295,9 +308,9 @@ class Denoiser {
     return {sum.height / count, sum.slope / count};
   }
 
-  // Of the step from one size to the next the part that is more than noise.
-  void add_detail(int size, Progress& progress) {
-    std::vector<Energy>& energy = energy_[size];
+  // Of a step the part that is more than noise.
+  void add_detail(int step, Progress& progress) {
+    std::vector<Energy>& energy = energy_[step];
     std::vector<Energy> mean(energy.size());
     for (int round = 0; round < kRounds; ++round) {
       parallel_for_each(cloud_.size(), kGrain, progress,
@@ -307,14 +320,14 @@ class Denoiser {
     const auto part = [](float e) { return e > 1.0f ? 1.0f - 1.0f / e : 0.0f; };
     parallel_for_each(cloud_.size(), kGrain, progress, [&](Index i) {
       if (!energy[i].is_known()) return;
-      const Shape& step = step_[size][i];
+      const Shape& change = step_[step][i];
       const float of_slope = part(energy[i].slope);
-      shape_[i].height += part(energy[i].height) * step.height;
-      shape_[i].u += of_slope * step.u;
-      shape_[i].v += of_slope * step.v;
+      shape_[i].height += part(energy[i].height) * change.height;
+      shape_[i].u += of_slope * change.u;
+      shape_[i].v += of_slope * change.v;
     });
     energy = {};
-    step_[size] = {};
+    step_[step] = {};
   }
 
   const PointCloud& cloud_;
@@ -324,8 +337,9 @@ class Denoiser {
   std::array<double, kMostSizes> squared_radius_{};  // x local spacing
   std::vector<float> noise_;                         // around each sample, x local spacing
   double typical_noise_ = 0.0;
-  std::vector<Shape> shape_;                         // of each sample
-  std::array<std::vector<Shape>, kMostSizes> step_;  // of each sample, between sizes
+  std::vector<Shape> shape_;  // of each sample
+  // Of each sample: entry s is the step from size s to the next smaller one, or to the sample.
+  std::array<std::vector<Shape>, kMostSizes> step_;
   std::array<std::vector<Energy>, kMostSizes> energy_;
 };
 

@@ -6,15 +6,15 @@
 namespace shrinkwrap {
 
 struct DenoisingOptions {
-  /// Clouds with less noise are left as they are (x local spacing): clean ones, for example, whose
-  /// finest detail looks like noise of up to 0.06.
-  double from = 0.08;
+  /// Clouds with less noise are left as they are (x local spacing). 0: none; a surface fitted to
+  /// the planes of quadrics is nearer to clean samples too.
+  double from = 0.0;
   /// Radius of the smallest neighbourhood, x local spacing: `first_radius`, and so many times the
   /// noise. 13 samples at a noise of 0.1, 45 at 0.7.
   double first_radius = 1.7, radius_per_noise = 3.0;
   /// Samples whose normals differ more lie beyond an edge: the cosine must exceed `least_cosine`,
   /// less so many times the noise, which turns the normals.
-  double least_cosine = 0.8, cosine_per_noise = 0.35;
+  double least_cosine = 0.88, cosine_per_noise = 0.35;
   double growth = 1.25;  ///< of the radius from one neighbourhood to the next
   int sizes = 7;         ///< of neighbourhoods, at most 8
   /// Neighbourhoods end where the mean squared residual exceeds what the noise leaves by so many of
@@ -37,9 +37,10 @@ struct DenoisingReport {
 /// quadrics are uncorrelated, and the noise tells how large they would be without any detail
 /// (Hausman 1978). The widest quadric is taken, and of every step towards smaller ones that part
 /// which exceeds noise in the mean over the samples around: the empirical Wiener filter of image
-/// denoising (Mihcak, Kozintsev, Ramchandran and Moulin 1999). Height and slopes are filtered each
-/// on its own. The noise is measured around each sample. Flat parts are smoothed over hundreds of
-/// samples, detail and edges over few.
+/// denoising (Mihcak, Kozintsev, Ramchandran and Moulin 1999). The last step is that to the sample
+/// itself: where there is little noise it stays, whatever the quadrics make of an edge. Height and
+/// slopes are filtered each on its own. The noise is measured around each sample. Flat parts are
+/// smoothed over hundreds of samples, detail and edges over few.
 ///
 /// `noise`: of `estimate_noise`. `neighbours`: per sample, from then on. Pre: `orient_normals` was
 /// called on the cloud. Post: `is_denoised()`; positions, their order, neighbours, spacing, normals

@@ -8,8 +8,7 @@ namespace shrinkwrap {
 struct NoiseOptions {
   Index probes = 1024;  ///< samples that are looked at, evenly spread; fewer in small clouds
   /// Above this the surface through the samples is rough (x local spacing): measured 0.24 and more
-  /// on clouds with noise of 0.25 and more, 0.16 and less on clean ones. Meshes through such clouds
-  /// get a second attempt if they have faults (SecondAttempt).
+  /// on clouds with noise of 0.25 and more, 0.16 and less on clean ones.
   double high = 0.2;
   /// Of clouds above that, in place of the ratio of initial_mesh.h: voxels somewhat larger refute
   /// handles between noisy layers, which smaller ones show too. Half as large again refutes handles

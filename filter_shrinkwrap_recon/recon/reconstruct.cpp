@@ -232,8 +232,11 @@ void try_again(Reconstruction& first, Reconstruction& second, Index samples,
       promise.may_be_open = true;
       promise.matches_samples = false;
       promise.report.count_self_intersections = false;
-      check_promise(second.mesh, second.mesh.position, kNone, promise, progress);
-      attempt.is_taken = true;
+      const MeshReport report =
+          check_promise(second.mesh, second.mesh.position, kNone, promise, progress);
+      attempt.is_taken = report.genus <= measure_mesh(first.mesh.position, first.mesh.triangles, {},
+                                                      promise.report, progress)
+                                             .genus;
     }
     attempt.faults = faults;
     attempt.is_finished = true;
@@ -289,17 +292,20 @@ void match_smoothed(PointCloud& cloud, const std::vector<Vec3>& points, const No
   match_sheets(std::move(surface), cloud, points, options, result, log, progress);
 }
 
-// Noise gives the surface handles and folds: where that did harm, it is smoothed.
-void match_noisy(PointCloud& cloud, const std::vector<Vec3>& points, const NoiseEstimate& noise,
+// Noise gives the surface handles and folds, and so does detail that planes cannot tell: where that
+// did harm, it is smoothed.
+void match_twice(PointCloud& cloud, const std::vector<Vec3>& points, const NoiseEstimate& noise,
                  const ReconstructionOptions& options, Reconstruction& result, Progress& progress) {
   Reconstruction second = without_stages(result);
+  // Of the time of both: few clouds with little noise need the second.
+  const double of_first = noise.median > options.noise.high ? 0.5 : 0.9;
   {
-    const ProgressShare share(progress, 0.0, 0.5);
+    const ProgressShare share(progress, 0.0, of_first);
     StageLog log(result, options);
     match_sheets(make_surface(cloud, options, result, log, progress), cloud, points, options,
                  result, log, progress);
   }
-  const ProgressShare share(progress, 0.5, 1.0);
+  const ProgressShare share(progress, of_first, 1.0);
   try_again(result, second, cloud.size(), &Reconstruction::smoothing, progress,
             [&] { match_smoothed(cloud, points, noise, options, second, progress); });
 }
@@ -327,11 +333,11 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   result.denoising = samples.denoising;
   log.add(Stage::orientation, cloud.size());
 
-  const bool is_noisy = options.initial_mesh.start == InitialMeshOptions::Start::winding_number &&
-                        options.intersection_repair.enabled &&
-                        samples.noise.median > std::max(options.noise.high, options.denoising.from);
-  if (is_noisy && !options.stop_at_parametric_surface) {
-    match_noisy(cloud, points, samples.noise, options, result, progress);
+  const bool may_be_smoothed =
+      options.initial_mesh.start == InitialMeshOptions::Start::winding_number &&
+      options.intersection_repair.enabled && samples.noise.median >= options.denoising.from;
+  if (may_be_smoothed && !options.stop_at_parametric_surface) {
+    match_twice(cloud, points, samples.noise, options, result, progress);
     log.skip();
   } else {
     SurfaceMesh surface = make_surface(cloud, options, result, log, progress);
@@ -393,7 +399,7 @@ CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
       options.initial_mesh.second_voxel_ratio = options.noise.second_voxel_ratio;
   }
   if (!options.stop_at_parametric_surface) return report;
-  if (may_smooth && report.noise.median > options.denoising.from)
+  if (may_smooth && report.noise.median >= options.denoising.from)
     report.denoising = smooth_for_noise(cloud, report.noise, options, report.orientation, progress);
   return report;
 }

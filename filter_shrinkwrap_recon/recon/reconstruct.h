@@ -62,7 +62,8 @@ struct StageRecord {
 };
 
 /// A mesh that has faults - faces that meet others, or that have a corner that is no sample - may
-/// get a second attempt, unless most faces are faulty; that with fewer faulty faces is taken.
+/// get a second attempt, unless most faces are faulty; that is taken if it has fewer faulty faces
+/// and no more handles.
 struct SecondAttempt {
   bool is_made = false;
   bool is_finished = false;  ///< false: no mesh came of it
@@ -88,7 +89,7 @@ struct Reconstruction {
   EdgeOptimisationReport edge_optimisation;
   RepairReport intersection_repair;  ///< `remaining_faces` are faces of `mesh`
   RelaxationReport relaxation;       ///< of a run that stops at the parametric surface
-  SecondAttempt smoothing;           ///< of a noisy cloud: the surface is smoothed for the noise
+  SecondAttempt smoothing;           ///< with a surface smoothed for the noise
   SecondAttempt backs;               ///< of sheets: their backs are openings
   MeshReport report;
   double spacing = 0.0;  ///< median sample spacing, input length
@@ -96,8 +97,9 @@ struct Reconstruction {
 
 /// Runs every stage and checks the promise. Noise gives a surface through the samples handles and
 /// folds: samples that are put back onto a surface that was smoothed for it stand side by side,
-/// and the mesh has the topology of the object. So noisy clouds (NoiseOptions::high) may get a
-/// second attempt, and so may sheets, whose backs are openings then (see SecondAttempt). Throws
+/// and the mesh has the topology of the object. Of clean but uneven samples that surface, made of
+/// quadrics in place of planes, is often the better one too. So clouds may get a second attempt,
+/// and so may sheets, whose backs are openings then (see SecondAttempt). Throws
 /// InvalidInput, Cancelled or ReconstructionFailed, and then nothing was made. The same input and
 /// options give the same bytes, whatever the number of threads.
 Reconstruction reconstruct(const std::vector<Vec3>& points, const ReconstructionOptions& options,
@@ -111,7 +113,7 @@ struct CloudReport {
 
 /// Orients the normals and estimates the noise. Above `options.noise.high` handles are to be
 /// refuted by larger voxels, and no voxels are smaller. If the run stops at the parametric surface,
-/// and there is more noise than `options.denoising.from`, then the samples are moved onto the
+/// and there is no less noise than `options.denoising.from`, then the samples are moved onto the
 /// surface that they scatter about, with normals of neighbourhoods that are the wider the noisier
 /// the samples are, and `options` of the later stages are changed to suit (larger voxels; see
 /// NoiseOptions). A chain of stages gives the same as `reconstruct` if each that needs normals
