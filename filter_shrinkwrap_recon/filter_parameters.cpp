@@ -116,8 +116,8 @@ Parameter exclude_outliers() {
 Parameter smooth_for_noise() {
   return boolean(
       kSmoothForNoise, "Smooth the surface for noise", false,
-      "Robust method: if the points are noisy (more than about a twelfth of their "
-      "spacing), smooth the surface for it, as the whole method does where it stops at "
+      "Robust method: move the points onto the quadrics that those around them suggest, by as much "
+      "as they are noisy, and fit the surface to these, as the whole method does where it stops at "
       "the parametric surface, and where its log says so. Choose the same in the filters "
       "Initial Mesh, Parametric Surface and Complete Matching.");
 }
