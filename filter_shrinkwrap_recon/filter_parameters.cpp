@@ -119,7 +119,8 @@ Parameter smooth_for_noise() {
       "Robust method: move the points onto the quadrics that those around them suggest, by as much "
       "as they are noisy, and fit the surface to these, as the whole method does where it stops at "
       "the parametric surface, and where its log says so. Choose the same in the filters "
-      "Initial Mesh, Parametric Surface and Complete Matching.");
+      "Initial Mesh, Parametric Surface and Complete Matching (to stop at the surface of points "
+      "with noise of less than 0.04 of their spacing, the whole method leaves out the first).");
 }
 
 Parameter backs_are_openings() {
@@ -487,6 +488,8 @@ FilterRequest request_of(Filter filter, const ParameterValues& values) {
 
   reader.read(kStopAtSurface, options.stop_at_parametric_surface);
   reader.read(kSmoothForNoise, options.stop_at_parametric_surface);
+  // Who runs the stages chooses in which of them.
+  if (reader.is_on(kSmoothForNoise)) options.denoising.before_initial_mesh_from = 0.0;
   reader.read(kBacksAreOpenings, options.complete_matching.backs_are_openings);
   reader.read(kExcludeOutliers, options.outliers.exclude);
   reader.read(kKeepStages, options.keep_stages);

@@ -126,6 +126,21 @@ TEST(FilterRuns, ChainToTheSurfaceOfANoisyCloudGivesTheBytesOfTheOneShot) {
   EXPECT_NE(one_shot.mesh.position, run(Filter::parametric_surface, control).mesh.position);
 }
 
+// The initial mesh is made of the samples where they are.
+TEST(FilterRuns, ChainToTheSurfaceOfACleanCloudGivesTheBytesOfTheOneShot) {
+  FilterInput input;
+  input.points = in_single_precision(sample_shape(ShapeKind::box, 2500, 3));
+  const FilterOutcome one_shot = run(Filter::reconstruct, input, {{"StopAtParametricSurface", 1}});
+  const FilterOutcome initial = run(Filter::initial_mesh, input);
+  const FilterOutcome control = run(Filter::control_mesh, through_layer(input.points, initial));
+  expect_same_bytes(
+      one_shot.mesh,
+      run(Filter::parametric_surface, through_layer(input.points, control), {{"SmoothForNoise", 1}})
+          .mesh);
+  const FilterOutcome smoothed = run(Filter::initial_mesh, input, {{"SmoothForNoise", 1}});
+  EXPECT_NE(smoothed.mesh.position, initial.mesh.position);
+}
+
 TEST(FilterRuns, ChainThatFillsNotchesGivesTheBytesOfTheOneShot) {
   SampleDefects defects;
   defects.noise = 0.4;

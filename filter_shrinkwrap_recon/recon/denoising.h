@@ -9,6 +9,9 @@ struct DenoisingOptions {
   /// Clouds with less noise are left as they are (x local spacing). 0: none; a surface fitted to
   /// the planes of quadrics is nearer to clean samples too.
   double from = 0.0;
+  /// The initial mesh of cleaner clouds is made of their samples where they are, whose planes tell
+  /// the sides of thin blades better, and they are moved after that.
+  double before_initial_mesh_from = 0.04;
   /// Radius of the smallest neighbourhood, x local spacing: `first_radius`, and so many times the
   /// noise. 13 samples at a noise of 0.1, 45 at 0.7.
   double first_radius = 1.7, radius_per_noise = 3.0;

@@ -72,6 +72,16 @@ class StageLog {
   Stopwatch watch_;
 };
 
+bool is_robust(const ReconstructionOptions& options) {
+  return options.initial_mesh.start == InitialMeshOptions::Start::winding_number;
+}
+
+// Whether the surface is fitted to samples that are moved onto the one that they suggest.
+bool may_denoise(const ReconstructionOptions& options, double noise) {
+  return options.stop_at_parametric_surface && is_robust(options) &&
+         noise >= options.denoising.from;
+}
+
 bool are_of_single_precision(const std::vector<Vec3>& points) {
   return std::all_of(points.begin(), points.end(),
                      [](const Vec3& p) { return !p.allFinite() || rounded_to_single(p) == p; });
@@ -110,7 +120,7 @@ DenoisingReport smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise,
 }
 
 // From the cloud to the parametric surface.
-SurfaceMesh make_surface(const PointCloud& cloud, const ReconstructionOptions& options,
+SurfaceMesh make_surface(PointCloud& cloud, const ReconstructionOptions& options,
                          Reconstruction& result, StageLog& log, Progress& progress) {
   SurfaceMesh mesh;
   const auto in_input_frame = [&] { return to_result(mesh, cloud.frame, progress); };
@@ -128,6 +138,13 @@ SurfaceMesh make_surface(const PointCloud& cloud, const ReconstructionOptions& o
   round_to_host(mesh, cloud.frame, options.host_scalar);
   log.add(Stage::control_mesh, mesh.vertex_count(), in_input_frame);
 
+  // Samples too clean to be moved before.
+  if (may_denoise(options, result.noise) && !cloud.is_denoised()) {
+    progress.begin(Stage::parametric_surface);
+    progress.set_part(0.0, 0.4);
+    result.denoising =
+        denoise(cloud, result.noise, options.samples.neighbours, options.denoising, progress);
+  }
   FittedSurface fitted = fit_surface(std::move(mesh), cloud, options, progress);
   result.parametric_surface = fitted.surface.report;
   result.relaxation = std::move(fitted.relaxation);
@@ -333,9 +350,8 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   result.denoising = samples.denoising;
   log.add(Stage::orientation, cloud.size());
 
-  const bool may_be_smoothed =
-      options.initial_mesh.start == InitialMeshOptions::Start::winding_number &&
-      options.intersection_repair.enabled && samples.noise.median >= options.denoising.from;
+  const bool may_be_smoothed = is_robust(options) && options.intersection_repair.enabled &&
+                               samples.noise.median >= options.denoising.from;
   if (may_be_smoothed && !options.stop_at_parametric_surface) {
     match_twice(cloud, points, samples.noise, options, result, progress);
     log.skip();
@@ -384,8 +400,7 @@ HostScalar host_scalar_for(const std::vector<Vec3>& points, const Reconstruction
 CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
                               Progress& progress) {
   CloudReport report;
-  const bool is_robust = options.initial_mesh.start == InitialMeshOptions::Start::winding_number;
-  const bool may_smooth = options.stop_at_parametric_surface && is_robust;
+  const bool may_smooth = options.stop_at_parametric_surface && is_robust(options);
   if (may_smooth) {
     progress.begin(Stage::orientation);
     progress.set_part(0.0, 0.15);
@@ -399,7 +414,8 @@ CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
       options.initial_mesh.second_voxel_ratio = options.noise.second_voxel_ratio;
   }
   if (!options.stop_at_parametric_surface) return report;
-  if (may_smooth && report.noise.median >= options.denoising.from)
+  if (may_denoise(options, report.noise.median) &&
+      report.noise.median >= options.denoising.before_initial_mesh_from)
     report.denoising = smooth_for_noise(cloud, report.noise, options, report.orientation, progress);
   return report;
 }

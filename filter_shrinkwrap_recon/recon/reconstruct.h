@@ -113,7 +113,7 @@ struct CloudReport {
 
 /// Orients the normals and estimates the noise. Above `options.noise.high` handles are to be
 /// refuted by larger voxels, and no voxels are smaller. If the run stops at the parametric surface,
-/// and there is no less noise than `options.denoising.from`, then the samples are moved onto the
+/// and there is enough noise (DenoisingOptions), then the samples are moved onto the
 /// surface that they scatter about, with normals of neighbourhoods that are the wider the noisier
 /// the samples are, and `options` of the later stages are changed to suit (larger voxels; see
 /// NoiseOptions). A chain of stages gives the same as `reconstruct` if each that needs normals
