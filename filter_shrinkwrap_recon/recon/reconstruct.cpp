@@ -314,14 +314,16 @@ void match_smoothed(PointCloud& cloud, const std::vector<Vec3>& points, const No
 void match_twice(PointCloud& cloud, const std::vector<Vec3>& points, const NoiseEstimate& noise,
                  const ReconstructionOptions& options, Reconstruction& result, Progress& progress) {
   Reconstruction second = without_stages(result);
-  // Of the time of both: few clouds with little noise need the second.
-  const double of_first = noise.median > options.noise.high ? 0.5 : 0.9;
+  const bool is_noisy = noise.median > options.noise.high;
+  const double of_first = is_noisy ? 0.5 : 0.9;  // of the time of both
   {
     const ProgressShare share(progress, 0.0, of_first);
     StageLog log(result, options);
     match_sheets(make_surface(cloud, options, result, log, progress), cloud, points, options,
                  result, log, progress);
   }
+  // Without noise it does little for vertices that are no samples, which close openings.
+  if (!is_noisy && result.intersection_repair.remaining_faces.empty()) return;
   const ProgressShare share(progress, of_first, 1.0);
   try_again(result, second, cloud.size(), &Reconstruction::smoothing, progress,
             [&] { match_smoothed(cloud, points, noise, options, second, progress); });

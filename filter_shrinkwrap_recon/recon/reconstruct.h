@@ -98,10 +98,10 @@ struct Reconstruction {
 /// Runs every stage and checks the promise. Noise gives a surface through the samples handles and
 /// folds: samples that are put back onto a surface that was smoothed for it stand side by side,
 /// and the mesh has the topology of the object. Of clean but uneven samples that surface, made of
-/// quadrics in place of planes, is often the better one too. So clouds may get a second attempt,
-/// and so may sheets, whose backs are openings then (see SecondAttempt). Throws
-/// InvalidInput, Cancelled or ReconstructionFailed, and then nothing was made. The same input and
-/// options give the same bytes, whatever the number of threads.
+/// quadrics in place of planes, is often the better one too. So noisy clouds and those whose faces
+/// meet may get a second attempt, and so may sheets, whose backs are openings then (see
+/// SecondAttempt). Throws InvalidInput, Cancelled or ReconstructionFailed, and then nothing was
+/// made. The same input and options give the same bytes, whatever the number of threads.
 Reconstruction reconstruct(const std::vector<Vec3>& points, const ReconstructionOptions& options,
                            Progress& progress);
 
