@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "coordinate_matches.h"
 #include "filter_log.h"
 #include "memory_estimate.h"
 #include "outliers_on_surface.h"
@@ -240,13 +241,12 @@ FilterOutcome run_complete_matching(const FilterRequest& request, const FilterIn
 // mesh.
 CompleteMatching matching_of(const FilterInput& input, const PointCloud& cloud) {
   const auto order_of = [](Index count, const auto& at) {
-    std::vector<Index> order(static_cast<std::size_t>(count));
-    std::iota(order.begin(), order.end(), 0);
+    std::vector<Index> order;
+    for (Index i = 0; i < count; ++i)
+      if (at(i).allFinite()) order.push_back(i);
     std::sort(order.begin(), order.end(), [&](Index a, Index b) {
       const Vec3 &p = at(a), &q = at(b);
-      for (int axis = 0; axis < 3; ++axis)
-        if (p[axis] != q[axis]) return p[axis] < q[axis];
-      return a < b;
+      return p == q ? a < b : coordinates_less(p, q);
     });
     return order;
   };

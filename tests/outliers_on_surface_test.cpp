@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bounding_box_start.h"
 #include "reconstruct.h"
 #include "shapes.h"
 
@@ -13,30 +14,10 @@ namespace {
 using namespace shrinkwrap;
 using namespace shrinkwrap::testing;
 
-constexpr Index kAlone = 4;
-
-// A cube with samples on a grid of 32 cells, but for a gap around each of four samples, the first,
-// close to an edge: stray by all that distances tell, since many of the samples around each lie on
-// the other face.
-std::vector<Vec3> cube_with_gaps() {
-  constexpr int kCells = 32;
-  constexpr double kCell = 1.0 / kCells;
-  std::vector<Vec3> points = {{0.25, 4 * kCell, 0.0},
-                              {0.75, 4 * kCell, 0.0},
-                              {1.0, 0.25, 4 * kCell},
-                              {1.0, 0.75, 4 * kCell}};
-  const std::vector<Vec3> alone = points;
-  for (int i = 0; i <= kCells; ++i)
-    for (int j = 0; j <= kCells; ++j)
-      for (int k = 0; k <= kCells; ++k) {
-        if (i % kCells != 0 && j % kCells != 0 && k % kCells != 0) continue;
-        const Vec3 p(i * kCell, j * kCell, k * kCell);
-        if (std::all_of(alone.begin(), alone.end(),
-                        [&](const Vec3& a) { return (p - a).norm() > 4.2 * kCell; }))
-          points.push_back(p);
-      }
-  return points;
-}
+constexpr double kCell = 1.0 / 32;
+const std::vector<Vec3> kAlone = {
+    {0.25, 4 * kCell, 0.0}, {0.75, 4 * kCell, 0.0}, {1.0, 0.25, 4 * kCell}, {1.0, 0.75, 4 * kCell}};
+const Index kAloneCount = static_cast<Index>(kAlone.size());
 
 struct Cleaned {
   PointCloud cloud;
@@ -60,51 +41,37 @@ Reconstruction reconstructed(const std::vector<Vec3>& points, double foot, int t
   return reconstruct(points, options, silent);
 }
 
-// The cube itself, its six sides two triangles each.
 SurfaceMesh cube_surface(const Frame& frame) {
-  std::vector<Vec3> corners;
-  for (int c = 0; c < 8; ++c) corners.push_back(frame.to_unit(Vec3(c & 1, c >> 1 & 1, c >> 2)));
-  return SurfaceMesh::from_triangles(corners, {{0, 2, 1},
-                                               {1, 2, 3},
-                                               {4, 5, 6},
-                                               {5, 7, 6},
-                                               {0, 1, 4},
-                                               {1, 5, 4},
-                                               {2, 6, 3},
-                                               {3, 6, 7},
-                                               {0, 4, 2},
-                                               {2, 4, 6},
-                                               {1, 3, 5},
-                                               {3, 7, 5}});
+  return box_mesh(frame.to_unit(Vec3::Zero()), frame.to_unit(Vec3::Ones()));
 }
 
 TEST(OutliersOnSurface, SamplesAloneInAFaceBecomeVertices) {
-  const std::vector<Vec3> points = cube_with_gaps();
+  const std::vector<Vec3> points = cube_with_gaps(kAlone);
   const Reconstruction without = reconstructed(points, 0.0);
   ASSERT_EQ(without.outliers.input_index, (std::vector<Index>{0, 1, 2, 3}));
   EXPECT_EQ(without.outliers.on_surface, 0);
 
   const Reconstruction with = reconstructed(points, OutlierOptions().foot);
   EXPECT_TRUE(with.outliers.input_index.empty());
-  EXPECT_EQ(with.outliers.on_surface, kAlone);
+  EXPECT_EQ(with.outliers.on_surface, kAloneCount);
   EXPECT_EQ(with.report.samples, static_cast<Index>(points.size()));
   EXPECT_EQ(with.report.samples_matched, with.report.samples);
   EXPECT_EQ(with.report.vertices_extra, 0);
   EXPECT_EQ(with.report.self_intersecting_faces, 0);
   EXPECT_EQ(with.report.genus, 0);
   EXPECT_TRUE(with.report.closed());
-  for (Index i = 0; i < kAlone; ++i) EXPECT_EQ(with.mesh.position[i], points[i]);
+  for (Index i = 0; i < kAloneCount; ++i) EXPECT_EQ(with.mesh.position[i], points[i]);
 }
 
 TEST(OutliersOnSurface, StrayPointsOverAFaceOrInAnOpeningStayOutliers) {
-  std::vector<Vec3> points = cube_with_gaps();
-  const double height = 3.6 / 32;
+  std::vector<Vec3> points = cube_with_gaps(kAlone);
+  const double height = 3.6 * kCell;
   const Index stray = static_cast<Index>(points.size());
   points.push_back({0.5, 0.5, 1.0 + height});
   points.push_back({-height, 0.5, 0.5});
   const Reconstruction result = reconstructed(points, OutlierOptions().foot);
   EXPECT_EQ(result.outliers.input_index, (std::vector<Index>{stray, stray + 1}));
-  EXPECT_EQ(result.outliers.on_surface, kAlone);
+  EXPECT_EQ(result.outliers.on_surface, kAloneCount);
 
   std::vector<Vec3> cap = sample_shape_blue_noise(ShapeKind::hemisphere, 3000, 1);
   cap.push_back(Vec3::Zero());
@@ -119,7 +86,7 @@ TEST(OutliersOnSurface, ASecondAttemptHasTheSameSamples) {
     for (const unsigned seed : {1u, 2u}) {
       SCOPED_TRACE(seed);
       Random random(seed);
-      std::vector<Vec3> points = cube_with_gaps();
+      std::vector<Vec3> points = cube_with_gaps(kAlone);
       // Two noisy layers, too close to each other to be told apart.
       for (int i = 0; i < 32; ++i)
         for (int j = 0; j < 32; ++j)
@@ -132,7 +99,7 @@ TEST(OutliersOnSurface, ASecondAttemptHasTheSameSamples) {
       backs += result.backs.is_made && result.backs.is_finished;
       smoothings += result.smoothing.is_made && result.smoothing.is_finished;
       EXPECT_TRUE(result.outliers.input_index.empty());
-      EXPECT_EQ(result.outliers.on_surface, kAlone);
+      EXPECT_EQ(result.outliers.on_surface, kAloneCount);
       EXPECT_EQ(result.report.samples_matched, static_cast<Index>(points.size()));
     }
   EXPECT_GE(backs, 2);
@@ -141,14 +108,14 @@ TEST(OutliersOnSurface, ASecondAttemptHasTheSameSamples) {
 
 // As if the samples had never been away.
 TEST(OutliersOnSurface, TheCloudIsThatOfAllTheSamples) {
-  const std::vector<Vec3> points = cube_with_gaps();
+  const std::vector<Vec3> points = cube_with_gaps(kAlone);
   Progress silent;
   const PointCloud whole = prepare_samples(points, {}, silent);
   Cleaned some = cleaned(points);
-  ASSERT_EQ(some.cloud.size(), whole.size() - kAlone);
+  ASSERT_EQ(some.cloud.size(), whole.size() - kAloneCount);
   EXPECT_EQ(keep_outliers_on_surface(some.cloud, some.report, points,
                                      cube_surface(some.cloud.frame), {}, silent),
-            kAlone);
+            kAloneCount);
   EXPECT_TRUE(some.report.input_index.empty());
   EXPECT_EQ(some.cloud.position, whole.position);
   EXPECT_EQ(some.cloud.input_index, whole.input_index);
@@ -160,8 +127,8 @@ TEST(OutliersOnSurface, TheCloudIsThatOfAllTheSamples) {
   Index other = 0;
   for (Index i = 0; i < whole.size(); ++i) {
     const Index input = whole.input_index[i];
-    EXPECT_EQ(some.cloud.plane[i].normal.norm() > 0.99f, true);
-    if (input >= kAlone)
+    EXPECT_NEAR(some.cloud.plane[i].normal.norm(), 1.0f, 1e-5f);
+    if (input >= kAloneCount)
       EXPECT_EQ(some.cloud.normal[i], others.normal[other++]);
     else
       EXPECT_EQ(some.cloud.normal[i], input < 2 ? Vec3f(0, 0, -1) : Vec3f(1, 0, 0));
@@ -169,10 +136,12 @@ TEST(OutliersOnSurface, TheCloudIsThatOfAllTheSamples) {
 }
 
 TEST(OutliersOnSurface, VerticesOfAMeshAreSamples) {
-  const std::vector<Vec3> points = cube_with_gaps();
+  const std::vector<Vec3> points = cube_with_gaps(kAlone);
   Progress silent;
   Cleaned some = cleaned(points);
-  const std::vector<Vec3> vertices = {points[100], points[2], {0.5, 0.5, 0.5}, points[0]};
+  const double nan = std::nan("");
+  const std::vector<Vec3> vertices = {{nan, nan, nan}, points[100],     points[2],
+                                      {0.5, 0.5, 0.5}, {nan, 0.0, 0.0}, points[0]};
   keep_outliers_among(some.cloud, some.report, points, vertices, silent);
   EXPECT_EQ(some.report.input_index, (std::vector<Index>{1, 3}));
   EXPECT_EQ(some.report.on_surface, 2);
@@ -181,7 +150,7 @@ TEST(OutliersOnSurface, VerticesOfAMeshAreSamples) {
 }
 
 TEST(OutliersOnSurface, ThreadsDoNotMatter) {
-  const std::vector<Vec3> points = cube_with_gaps();
+  const std::vector<Vec3> points = cube_with_gaps(kAlone);
   const double foot = OutlierOptions().foot;
   const Reconstruction one = reconstructed(points, foot, 1), three = reconstructed(points, foot, 3);
   EXPECT_EQ(one.mesh.triangles, three.mesh.triangles);
@@ -189,7 +158,7 @@ TEST(OutliersOnSurface, ThreadsDoNotMatter) {
 }
 
 TEST(OutliersOnSurface, ACancelledRunLosesNothing) {
-  const std::vector<Vec3> points = cube_with_gaps();
+  const std::vector<Vec3> points = cube_with_gaps(kAlone);
   Cleaned some = cleaned(points);
   const std::vector<Vec3> position = some.cloud.position;
   Progress cancelled([](double, const char*) { return false; }, {Stage::complete_matching});
@@ -198,7 +167,7 @@ TEST(OutliersOnSurface, ACancelledRunLosesNothing) {
                                         cube_surface(some.cloud.frame), {}, cancelled),
                Cancelled);
   EXPECT_EQ(some.cloud.position, position);
-  EXPECT_EQ(some.report.input_index.size(), static_cast<std::size_t>(kAlone));
+  EXPECT_EQ(some.report.input_index.size(), kAlone.size());
 }
 
 }  // namespace

@@ -346,6 +346,22 @@ std::vector<Vec3> sample_sphere_on_scan_lines(Index count, unsigned seed) {
   return points;
 }
 
+std::vector<Vec3> cube_with_gaps(const std::vector<Vec3>& alone) {
+  constexpr int kCells = 32;
+  constexpr double kGap = 4.2 / kCells;
+  std::vector<Vec3> points = alone;
+  for (int i = 0; i <= kCells; ++i)
+    for (int j = 0; j <= kCells; ++j)
+      for (int k = 0; k <= kCells; ++k) {
+        if (i % kCells != 0 && j % kCells != 0 && k % kCells != 0) continue;
+        const Vec3 p = Vec3(i, j, k) / kCells;
+        if (std::all_of(alone.begin(), alone.end(),
+                        [&](const Vec3& a) { return (p - a).norm() > kGap; }))
+          points.push_back(p);
+      }
+  return points;
+}
+
 std::vector<Vec3> sample_strip(Index count, unsigned seed) {
   constexpr Index kWidth = 10;
   Random random(seed);

@@ -109,6 +109,11 @@ std::vector<Vec3> sample_shape_blue_noise(ShapeKind kind, Index count, unsigned 
 /// line.
 std::vector<Vec3> sample_sphere_on_scan_lines(Index count, unsigned seed);
 
+/// The unit cube on a grid of 32 cells. The samples of `alone`, which come first, have no others
+/// within 4.2 cells: close to an edge they are stray by all that distances tell, since many of the
+/// samples around lie on the other face.
+std::vector<Vec3> cube_with_gaps(const std::vector<Vec3>& alone);
+
 /// A strip of uneven ground, some 10 samples wide, seen from above: `count` samples about one unit
 /// apart.
 std::vector<Vec3> sample_strip(Index count, unsigned seed);

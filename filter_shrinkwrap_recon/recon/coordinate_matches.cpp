@@ -27,12 +27,6 @@ std::uint64_t hash_of(const Vec3& p) {
   return hash * 0xd6e8feb86659fd93ull;
 }
 
-bool coordinates_less(const Vec3& p, const Vec3& q) {
-  for (int axis = 0; axis < 3; ++axis)
-    if (p[axis] != q[axis]) return p[axis] < q[axis];
-  return false;
-}
-
 // Samples and vertices in one sequence, samples first.
 class Points {
  public:

@@ -8,6 +8,13 @@
 
 namespace shrinkwrap {
 
+/// Whether a point comes first by x, then y, then z. An order of finite points only.
+inline bool coordinates_less(const Vec3& p, const Vec3& q) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (p[axis] != q[axis]) return p[axis] < q[axis];
+  return false;
+}
+
 struct CoordinateMatches {
   Index samples = 0;        ///< distinct and finite; -0 equals 0
   Index matched = 0;        ///< samples at which exactly one vertex lies

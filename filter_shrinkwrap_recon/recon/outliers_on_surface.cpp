@@ -4,12 +4,17 @@
 #include <cmath>
 #include <iterator>
 
+#include "coordinate_matches.h"
 #include "face_tree.h"
 #include "morton.h"
+#include "parallel.h"
+#include "sort_unique.h"
 #include "triangle_geometry.h"
 
 namespace shrinkwrap {
 namespace {
+
+constexpr Index kGrain = 1 << 8;
 
 // An outlier that becomes a sample.
 struct Kept {
@@ -59,21 +64,24 @@ Index keep_outliers_on_surface(PointCloud& cloud, OutlierReport& report,
                                const OutlierOptions& options, Progress& progress) {
   if (report.input_index.empty() || !(options.foot > 0.0)) return 0;
   const FaceTree tree(mesh, progress);
-  const auto any = [](Index) { return true; };
-  FaceTree::Anchor anchor;
-  std::vector<Kept> kept;
-  for (const Index i : report.input_index) {
-    progress.update(0.0);
-    const Vec3 p = cloud.frame.to_unit(points[i]);
-    const VoxelSearch::Hit nearest = cloud.search.nearest(p);
-    const double gap = std::sqrt(nearest.squared_distance);
-    const double spacing =
-        std::max(cloud.spacing, static_cast<double>(cloud.local_spacing[nearest.index]));
-    if (gap > options.widest_gap * spacing) continue;
-    const Index face = tree.nearest(p, std::pow(options.foot * gap, 2), kNone, any, anchor).face;
-    if (face == kNone) continue;
-    kept.push_back({i, unit_or_zero(mesh.area_vector(face)).cast<float>()});
-  }
+  const std::vector<Index>& outliers = report.input_index;
+  const auto find_kept = [&](Index begin, Index end, std::vector<Kept>& kept) {
+    const auto any = [](Index) { return true; };
+    FaceTree::Anchor anchor;
+    for (Index n = begin; n < end; ++n) {
+      const Vec3 p = cloud.frame.to_unit(points[outliers[n]]);
+      const VoxelSearch::Hit nearest = cloud.search.nearest(p);
+      const double gap = std::sqrt(nearest.squared_distance);
+      const double spacing =
+          std::max(cloud.spacing, static_cast<double>(cloud.local_spacing[nearest.index]));
+      if (gap > options.widest_gap * spacing) continue;
+      const Index face = tree.nearest(p, std::pow(options.foot * gap, 2), kNone, any, anchor).face;
+      if (face == kNone) continue;
+      kept.push_back({outliers[n], unit_or_zero(mesh.area_vector(face)).cast<float>()});
+    }
+  };
+  const std::vector<Kept> kept =
+      parallel_collect<Kept>(static_cast<Index>(outliers.size()), kGrain, progress, find_kept);
   keep(kept, cloud, report, points, progress);
   return static_cast<Index>(kept.size());
 }
@@ -81,19 +89,19 @@ Index keep_outliers_on_surface(PointCloud& cloud, OutlierReport& report,
 void keep_outliers_among(PointCloud& cloud, OutlierReport& report, const std::vector<Vec3>& points,
                          const std::vector<Vec3>& vertices, Progress& progress) {
   if (report.input_index.empty()) return;
-  const auto before = [](const Vec3& p, const Vec3& q) {
-    return std::lexicographical_compare(p.data(), p.data() + 3, q.data(), q.data() + 3);
-  };
-  std::vector<Vec3> outliers = points_at(points, report.input_index), found;
-  std::sort(outliers.begin(), outliers.end(), before);
-  for (const Vec3& vertex : vertices)
-    if (std::binary_search(outliers.begin(), outliers.end(), vertex, before))
-      found.push_back(vertex);
-  std::sort(found.begin(), found.end(), before);
+  std::vector<Index> by_place = report.input_index, found;
+  std::sort(by_place.begin(), by_place.end(),
+            [&](Index a, Index b) { return coordinates_less(points[a], points[b]); });
+  for (const Vec3& vertex : vertices) {
+    if (!vertex.allFinite()) continue;
+    const auto place = std::lower_bound(
+        by_place.begin(), by_place.end(), vertex,
+        [&](Index outlier, const Vec3& p) { return coordinates_less(points[outlier], p); });
+    if (place != by_place.end() && points[*place] == vertex) found.push_back(*place);
+  }
+  sort_unique(found);
   std::vector<Kept> kept;
-  for (const Index i : report.input_index)
-    if (std::binary_search(found.begin(), found.end(), points[i], before))
-      kept.push_back({i, Vec3f::UnitZ()});
+  for (const Index i : found) kept.push_back({i, Vec3f::UnitZ()});
   keep(kept, cloud, report, points, progress);
 }
 

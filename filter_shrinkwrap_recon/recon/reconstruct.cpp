@@ -229,9 +229,8 @@ void keep_better(Reconstruction& first, Reconstruction& second, const SecondAtte
 }
 
 // If the first attempt has faults, makes `second` by `make`, of the same samples, and keeps the
-// better of the two. There
-// is a mesh already: that the second cannot be finished is no failure of the run. A cloud most of
-// whose faces are at fault shows no surface, and is left at that.
+// better of the two. There is a mesh already: that the second cannot be finished is no failure of
+// the run. A cloud most of whose faces are at fault shows no surface, and is left at that.
 template <class Make>
 void try_again(Reconstruction& first, Reconstruction& second, Index samples,
                SecondAttempt Reconstruction::*which, Progress& progress, const Make& make) {
@@ -251,9 +250,9 @@ void try_again(Reconstruction& first, Reconstruction& second, Index samples,
       promise.report.count_self_intersections = false;
       const MeshReport report =
           check_promise(second.mesh, second.mesh.position, kNone, promise, progress);
-      attempt.is_taken = report.genus <= measure_mesh(first.mesh.position, first.mesh.triangles, {},
-                                                      promise.report, progress)
-                                             .genus;
+      const MeshReport before =
+          measure_mesh(first.mesh.position, first.mesh.triangles, {}, promise.report, progress);
+      attempt.is_taken = report.genus <= before.genus;
     }
     attempt.faults = faults;
     attempt.is_finished = true;
@@ -284,7 +283,7 @@ void match_sheets(SurfaceMesh parametric, PointCloud& cloud, const std::vector<V
   }
   if (result.complete_matching.backs == 0) return;
   options.complete_matching.backs_are_openings = true;
-  options.outliers.foot = 0.0;
+  options.outliers.foot = 0.0;  // as many samples as the first attempt
   const ProgressShare share(progress, kFirst * end, kFirst * end + 1.0 - kFirst);
   try_again(result, second, cloud.size(), &Reconstruction::backs, progress, [&] {
     StageLog second_log(second, options);
@@ -299,7 +298,7 @@ void match_smoothed(PointCloud& cloud, const std::vector<Vec3>& points, const No
                     ReconstructionOptions options, Reconstruction& result, Progress& progress) {
   StageLog log(result, options);
   options.stop_at_parametric_surface = true;
-  options.outliers.foot = 0.0;
+  options.outliers.foot = 0.0;  // as many samples as the first attempt
   progress.begin(Stage::orientation);
   smooth_for_noise(cloud, noise, options, result.orientation, progress);
   log.add(Stage::orientation, cloud.size());
@@ -415,7 +414,6 @@ CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
     if (options.initial_mesh.second_voxel_ratio > 0.0)
       options.initial_mesh.second_voxel_ratio = options.noise.second_voxel_ratio;
   }
-  if (!options.stop_at_parametric_surface) return report;
   if (may_denoise(options, report.noise.median) &&
       report.noise.median >= options.denoising.before_initial_mesh_from)
     report.denoising = smooth_for_noise(cloud, report.noise, options, report.orientation, progress);

@@ -118,8 +118,10 @@ struct CloudReport {
 /// the samples are, and `options` of the later stages are changed to suit (larger voxels; see
 /// NoiseOptions). A chain of stages gives the same as `reconstruct` if each that needs normals
 /// begins with this; if the smoothed surface is taken (see SecondAttempt), with
-/// `stop_at_parametric_surface` set, and the matching then goes on with `undo_denoising`; if backs
-/// are openings, with `backs_are_openings`. Pre: the cloud was prepared with `options.samples`.
+/// `stop_at_parametric_surface` set and `before_initial_mesh_from` 0, and the matching then goes on
+/// with `undo_denoising`; if the run stops at the surface of a clean cloud, so from the parametric
+/// surface on; if backs are openings, with `backs_are_openings`. Pre: the cloud was prepared with
+/// `options.samples`.
 CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
                               Progress& progress);
 
