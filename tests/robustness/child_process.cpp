@@ -8,6 +8,7 @@
 #include <csignal>
 #include <cstring>
 #include <stdexcept>
+#include <thread>
 
 namespace shrinkwrap::robustness {
 namespace {
@@ -73,6 +74,11 @@ bool ChildProcess::has_ended() {
   if (waitpid(child_, &status, WNOHANG) != child_) return false;
   collect(status);
   return true;
+}
+
+const ChildOutcome& ChildProcess::wait() {
+  while (!has_ended()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  return outcome_;
 }
 
 void ChildProcess::collect(int status) {

@@ -39,6 +39,8 @@ class ChildProcess {
 
   /// True once the child has ended; kills it when its time is over. Never waits.
   bool has_ended();
+  /// Waits until the child has ended.
+  const ChildOutcome& wait();
   /// Pre: has_ended().
   const ChildOutcome& outcome() const { return outcome_; }
 

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 #include <vcg/complex/complex.h>
+#include <wrap/io_trimesh/export_ply.h>
 #include <wrap/io_trimesh/import.h>
 
 #include <algorithm>
@@ -69,7 +70,9 @@ class PlyWriter {
     static constexpr const char* formats[] = {"ascii", "binary_little_endian", "binary_big_endian"};
     // What may stand before, between and after the coordinates.
     std::vector<std::string> properties = {"x", "y", "z"};
-    const std::string type = random_.uniform() < 0.7 ? "float" : "double";
+    // vcglib's importer does not swap the bytes of doubles.
+    const bool are_floats = random_.uniform() < 0.7 || encoding_ == Encoding::big_endian;
+    const std::string type = are_floats ? "float" : "double";
     for (const char* more : {"nx", "quality", "confidence", "s"})
       if (random_.uniform() < 0.3)
         properties.insert(properties.begin() + random_.below(static_cast<Index>(properties.size())),
@@ -237,25 +240,41 @@ File make_file(std::uint64_t number) {
 
 // --- import, reconstruct, judge ------------------------------------------------------------------
 
-// Removed at the end.
-class TemporaryFile {
+// A place for a file, which is removed at the end.
+class TemporaryPath {
  public:
-  explicit TemporaryFile(const File& file)
-      : path_(std::filesystem::temp_directory_path() /
-              ("shrinkwrap_" + std::to_string(getpid()) + "." + file.extension)) {
-    std::ofstream(path_, std::ios::binary) << file.content;
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  ~TemporaryFile() {
+  explicit TemporaryPath(const std::string& ending)
+      : path_((std::filesystem::temp_directory_path() /
+               ("shrinkwrap_" + std::to_string(getpid()) + ending))
+                  .string()) {}
+  TemporaryPath(const TemporaryPath&) = delete;
+  TemporaryPath& operator=(const TemporaryPath&) = delete;
+  ~TemporaryPath() {
     std::error_code ignored;
     std::filesystem::remove(path_, ignored);
   }
-  std::string path() const { return path_.string(); }
+  const std::string& name() const { return path_; }
 
  private:
-  std::filesystem::path path_;
+  std::string path_;
 };
+
+using Importer = vcg::tri::io::Importer<Mesh>;
+
+// Reads a file and writes what it read, if anything, to a whole one. Says what the importer
+// returned.
+void import_and_save(const std::string& from, const std::string& to, const Say& say) {
+  Mesh mesh;
+  int result = -1;
+  bool is_refused = true;
+  try {
+    result = Importer::Open(mesh, from.c_str());
+    is_refused = result < 0 || (result != 0 && Importer::ErrorCritical(result));
+  } catch (...) {
+  }
+  if (!is_refused) vcg::tri::io::ExporterPLY<Mesh>::Save(mesh, to.c_str());
+  say(std::to_string(result));
+}
 
 // The adapters, on whatever the importer made.
 bool adapters_agree(Mesh& cloud, const std::vector<Vec3>& points) {
@@ -271,23 +290,23 @@ bool adapters_agree(Mesh& cloud, const std::vector<Vec3>& points) {
   }
 }
 
-void run(const File& file, int threads, const Say& say) {
-  Mesh cloud;
-  say(kImporting);
-  int result = 0;
-  {
-    const TemporaryFile written(file);
-    try {
-      result = vcg::tri::io::Importer<Mesh>::Open(cloud, written.path().c_str());
-    } catch (...) {
-      result = -1;
-    }
-  }
-  say("imported\n");
+// Some damaged files make vcglib's importers overrun their arrays, which shows only later: they
+// work in a process of their own.
+void run(const File& file, int threads, const ChildLimits& limits, const Say& say) {
+  const TemporaryPath written("." + file.extension), whole(".whole.ply");
+  std::ofstream(written.name(), std::ios::binary) << file.content;
+  ChildProcess reader(
+      [&](const Say& reply) { import_and_save(written.name(), whole.name(), reply); }, limits);
+  const ChildOutcome& outcome = reader.wait();
   Attempt made;
-  const bool refused =
-      result != 0 && (result < 0 || vcg::tri::io::Importer<Mesh>::ErrorCritical(result));
-  if (!refused) {
+  if (outcome.end != ChildOutcome::End::finished) {
+    made.verdicts = {Verdict::importer_failed};
+    made.figures.add("ended_by", outcome.how);
+    say(to_message(made));
+    return;
+  }
+  Mesh cloud;
+  if (std::filesystem::exists(whole.name()) && Importer::Open(cloud, whole.name().c_str()) == 0) {
     const std::vector<Vec3> points = points_from_vcg(cloud).points;
     ReconstructionOptions options;
     options.threads = threads;
@@ -297,7 +316,7 @@ void run(const File& file, int threads, const Say& say) {
     if (!adapters_agree(cloud, points)) made.verdicts.push_back(Verdict::unexpected_exception);
     made.figures.add("points", points.size());
   }
-  made.figures.add("importer", result);
+  made.figures.add("importer", outcome.output);
   say(to_message(made));
 }
 
@@ -311,7 +330,9 @@ Job file_job(std::uint64_t number, int threads, bool with_input) {
       .add("damages", file.damages);
   if (with_input) job.file = file.content;
   job.limits.memory_bytes = std::uint64_t{2} << 30;
-  job.work = [file, threads](const Say& say) { run(file, threads, say); };
+  job.work = [file, threads, limits = job.limits](const Say& say) {
+    run(file, threads, limits, say);
+  };
   return job;
 }
 

@@ -7,13 +7,9 @@
 
 namespace shrinkwrap::robustness {
 
-/// What a file job says before it hands the file to the importer: a child that dies then is none
-/// of ours.
-constexpr char kImporting[] = "importing\n";
-
 /// A file in one of several formats, made from a number: mostly damaged, by cutting it off,
 /// changing bytes or words, or false counts. It is written to the folder of temporary files,
-/// imported, reconstructed and judged, and a mesh in it is measured.
+/// imported in a process of its own, reconstructed and judged, and a mesh in it is measured.
 Job file_job(std::uint64_t number, int threads, bool with_input);
 
 }  // namespace shrinkwrap::robustness

@@ -109,18 +109,9 @@ Job make_job(const std::string& name, int threads, bool with_input) {
 }
 
 std::string message_of(const ChildOutcome& outcome) {
-  const std::string& said = outcome.output;
-  if (outcome.end == ChildOutcome::End::finished) {
-    // The last two lines; what comes before told of progress.
-    const std::size_t figures = said.rfind('\n');
-    const std::size_t before =
-        figures == 0 || figures == std::string::npos ? figures : said.rfind('\n', figures - 1);
-    return before == std::string::npos ? said : said.substr(before + 1);
-  }
+  if (outcome.end == ChildOutcome::End::finished) return outcome.output;
   Attempt ended;
-  const bool crashed = outcome.end == ChildOutcome::End::crashed;
-  ended.verdicts = {crashed ? Verdict::crash : Verdict::hang};
-  if (said == kImporting) ended.verdicts = {Verdict::importer_failed};
+  ended.verdicts = {outcome.end == ChildOutcome::End::crashed ? Verdict::crash : Verdict::hang};
   ended.figures.add("ended_by", outcome.how);
   return to_message(ended);
 }

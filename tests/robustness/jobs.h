@@ -17,7 +17,7 @@ struct Job {
   std::string name;  ///< "clouds:1000003"; makes the same job again
   benchmarking::JsonLine description;
   ChildLimits limits;
-  Work work;  ///< says a message as to_message makes it, after what it says of its progress
+  Work work;  ///< says a message as to_message makes it
   // Only if asked for:
   std::vector<Vec3> points;  ///< unless they come from a file
   std::string file;          ///< its content, if they do

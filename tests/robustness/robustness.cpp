@@ -77,7 +77,7 @@ class Sweep {
 
   void run_one(const Job& job) {
     ChildProcess child(job.work, job.limits);
-    while (!child.has_ended()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    child.wait();
     std::cout << log_line(job, child.outcome(), message_of(child.outcome())) << "\n";
     note(job, child.outcome());
   }
