@@ -362,6 +362,19 @@ std::vector<Vec3> cube_with_gaps(const std::vector<Vec3>& alone) {
   return points;
 }
 
+std::vector<Vec3> sample_cut_ring(Index count, double gap, unsigned seed) {
+  constexpr double kMajor = 0.7, kMinor = 0.2, kArea = 4.0 * kPi * kPi * kMajor * kMinor;
+  const double half_gap = 0.5 * gap * std::sqrt(kArea / count);
+  const auto ring = [&](const Vec3& p) {
+    const double to_circle = std::sqrt(p.x() * p.x() + p.y() * p.y()) - kMajor;
+    const double tube = std::sqrt(to_circle * to_circle + p.z() * p.z()) - kMinor;
+    const double slot = p.x() > 0.0 ? half_gap - std::abs(p.y()) : -1.0;
+    return 0.8 * std::max(tube, slot);
+  };
+  Random random(seed);
+  return sample_implicit(ring, {}, count, random).points;
+}
+
 std::vector<Vec3> sample_strip(Index count, unsigned seed) {
   constexpr Index kWidth = 10;
   Random random(seed);

@@ -114,6 +114,9 @@ std::vector<Vec3> sample_sphere_on_scan_lines(Index count, unsigned seed);
 /// samples around lie on the other face.
 std::vector<Vec3> cube_with_gaps(const std::vector<Vec3>& alone);
 
+/// A ring that is cut open: genus 0. The gap between its ends measures so many sample spacings.
+std::vector<Vec3> sample_cut_ring(Index count, double gap, unsigned seed);
+
 /// A strip of uneven ground, some 10 samples wide, seen from above: `count` samples about one unit
 /// apart.
 std::vector<Vec3> sample_strip(Index count, unsigned seed);

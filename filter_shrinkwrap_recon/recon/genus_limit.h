@@ -16,14 +16,12 @@ struct GenusLimitReport {
 };
 
 /// Cuts handles until the genus is at most `maximum`: along loops of edges that do not separate the
-/// surface (shortest loops through one vertex are found by a tree and a cotree: Erickson and
-/// Whittlesey 2005), made short by searching again from where they pass, and closes both sides of
-/// each with a fan. A thin bridge is severed, a narrow tunnel filled. Each round cuts those loops
-/// that are at most twice as long as the shortest, have no vertex in common, and together leave the
-/// surface in one piece; so that the shortest go first, rounds are few even for thousands of
-/// handles.
-/// Pre: no removed slots, maximum >= 0. Post: closed 2-manifold in canonical order; the samples'
-/// places play no part. O(V log V) per round.
+/// surface (surface_loops.h), made short by searching again from where they pass, and closes both
+/// sides of each with a fan. A thin bridge is severed, a narrow tunnel filled. Each round cuts
+/// those loops that are at most twice as long as the shortest, have no vertex in common, and
+/// together leave the surface in one piece; so that the shortest go first, rounds are few even for
+/// thousands of handles. Pre: no removed slots, maximum >= 0. Post: closed 2-manifold in canonical
+/// order; the samples' places play no part. O(V log V) per round.
 GenusLimitReport limit_genus(SurfaceMesh& mesh, Index maximum, Progress& progress);
 
 }  // namespace shrinkwrap

@@ -1,6 +1,7 @@
 #include "initial_mesh.h"
 
 #include <algorithm>
+#include <tuple>
 
 #include "bounding_box_start.h"
 #include "genus_limit.h"
@@ -134,6 +135,10 @@ InitialMesh solid_boundary(const PointCloud& cloud, const WindingNumber& winding
     make_well_composed(solid.image, progress);
     result.mesh = boundary_of(solid.image, solid.lattice, progress);
     keep_supported(result, cloud, kSupportReach * voxel_size, min_samples, progress);
+    if (result.report.genus == 0) return;
+    result.report.false_handles =
+        cut_false_handles(result.mesh, cloud, options.false_handles, progress);
+    result.report.genus -= result.report.false_handles;
   };
   progress.set_range(0.6, 0.7);
   take_boundary(std::clamp<Index>(cloud.size() / 100, 4, options.min_component_samples));
@@ -146,6 +151,11 @@ InitialMesh solid_boundary(const PointCloud& cloud, const WindingNumber& winding
   return result;
 }
 
+// Handles, and of as many the fewer that had to be cut.
+bool has_fewer_handles(const InitialMeshReport& a, const InitialMeshReport& b) {
+  return std::tie(a.genus, a.false_handles) < std::tie(b.genus, b.false_handles);
+}
+
 // The boundary that the evidence speaks for: a handle of the object is there at either voxel size,
 // one that voxels made between close sheets or through thin walls seldom is.
 InitialMesh most_plausible_boundary(const PointCloud& cloud, const InitialMeshOptions& options,
@@ -153,11 +163,13 @@ InitialMesh most_plausible_boundary(const PointCloud& cloud, const InitialMeshOp
   progress.set_range(0.0, 0.0);
   const WindingNumber winding(cloud, progress);
   InitialMesh first = solid_boundary(cloud, winding, options, progress);
-  if (first.report.genus == 0 || options.second_voxel_ratio <= 0.0) return first;
+  if ((first.report.genus == 0 && first.report.false_handles == 0) ||
+      options.second_voxel_ratio <= 0.0)
+    return first;
   InitialMeshOptions other = options;
   other.voxel_size *= options.second_voxel_ratio;
   InitialMesh second = solid_boundary(cloud, winding, other, progress);
-  if (second.report.genus >= first.report.genus ||
+  if (!has_fewer_handles(second.report, first.report) ||
       second.report.components < first.report.components ||
       (options.second_voxel_ratio < 1.0 && second.report.cavities < first.report.cavities))
     return first;

@@ -1,6 +1,7 @@
 // Section 2.2: the initial mesh, a closed manifold around the samples, shrunk towards them.
 #pragma once
 
+#include "false_handles.h"
 #include "point_cloud.h"
 #include "surface_mesh.h"
 
@@ -24,9 +25,10 @@ struct InitialMeshOptions {
   /// Parts whose samples are closer than this, x s, get voxels of half the size if the samples bear
   /// out what these show (voxel_refinement.h). 0: never.
   double dense_spacing = 0.65;
-  /// Where the first solid has handles, a second one with voxels of this many times the size is
-  /// made; the first stays unless the second has fewer handles and as many parts (of larger voxels:
-  /// as many bodies, as cavities between noisy layers are refuted too). 0: never.
+  FalseHandleOptions false_handles;  ///< that are cut
+  /// Where the first solid has handles left, a second one with voxels of this many times the size
+  /// is made; the first stays unless the second has fewer handles and as many parts (of larger
+  /// voxels: as many bodies, as cavities between noisy layers are refuted too). 0: never.
   double second_voxel_ratio = 0.85;
   Index maximum_genus = -1;  ///< handles beyond are cut (genus_limit.h); -1: as many as there are
   Index min_component_samples = 30;  ///< solids and cavities supported by fewer samples are dropped
@@ -54,6 +56,7 @@ struct InitialMeshReport {
   Index refined_parts = 0;  ///< dense parts with voxels of half that
   bool voxels_are_larger = false;  ///< than asked for: see make_voxel_solid
   Index genus = 0;                 ///< of the mesh, summed over the components
+  Index false_handles = 0;         ///< cut, as no samples bear them out
   Index handles_refuted = 0;       ///< handles of the first solid that the second does not have
   Index handles_cut = 0;           ///< to keep to `maximum_genus`
   int levels = 0;                  ///< bounding_box only

@@ -1,0 +1,26 @@
+// Handles that no samples bear out: bridges between close parts, and tunnels through thin walls.
+#pragma once
+
+#include "point_cloud.h"
+#include "surface_mesh.h"
+
+namespace shrinkwrap {
+
+struct FalseHandleOptions {
+  /// A handle is false if the normals of a loop around or through it agree less, in the mean, with
+  /// those of the nearest samples: on the side of a bridge they are square to each other, around a
+  /// true limb or hole, however narrow, they are alike. -1: none is.
+  double least_cosine = 0.4;
+  /// Loops of at most twice as many edges and one are looked at.
+  Index radius = 3;
+};
+
+/// Cuts false handles along such loops, and closes both sides of each with a fan: a bridge is
+/// severed, a tunnel filled. No cut separates the surface. Returns how many were cut. Pre: a closed
+/// 2-manifold of even edges, about as long as the voxels' (the boundary of a solid), without
+/// removed slots; `orient_normals` was called on the cloud. Post: the same, in canonical order.
+/// O(V).
+Index cut_false_handles(SurfaceMesh& mesh, const PointCloud& cloud,
+                        const FalseHandleOptions& options, Progress& progress);
+
+}  // namespace shrinkwrap

@@ -1,0 +1,85 @@
+// Handles that no samples bear out.
+#include "false_handles.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "expect_mesh.h"
+#include "initial_mesh.h"
+#include "oriented_cloud.h"
+#include "shapes.h"
+
+namespace shrinkwrap::testing {
+namespace {
+
+// The initial mesh of one voxel size; no handle is false if the cosine is -1.
+InitialMesh initial_mesh_of(const std::vector<Vec3>& points,
+                            double least_cosine = FalseHandleOptions().least_cosine) {
+  InitialMeshOptions options;
+  options.second_voxel_ratio = 0.0;
+  options.false_handles.least_cosine = least_cosine;
+  Progress silent;
+  return make_initial_mesh(oriented_cloud(points), options, silent);
+}
+
+TEST(FalseHandles, AreCutFromThinWalls) {
+  // A wall of 0.16 and one of 0.08: some two and one and a half spacings of samples at random.
+  for (const ShapeKind kind : {ShapeKind::bowl, ShapeKind::thin_plate}) {
+    Index left = 0;
+    for (const unsigned seed : {1u, 2u, 3u, 4u}) {
+      const auto points = sample_shape(kind, 1000, seed);
+      const Index handles = initial_mesh_of(points, -1.0).report.genus;
+      EXPECT_GT(handles, 1) << "there is nothing to cut: this test tests nothing";
+      const InitialMesh result = initial_mesh_of(points);
+      EXPECT_EQ(result.report.false_handles, handles - result.report.genus);
+      EXPECT_TRUE(result.mesh.is_consistent());
+      expect_closed_manifold(result.mesh, result.report.components + result.report.cavities,
+                             result.report.genus);
+      left += result.report.genus;
+    }
+    EXPECT_LE(left, 5) << shape_of(kind).name;
+  }
+}
+
+TEST(FalseHandles, AreCutFromANarrowGap) {
+  Index before = 0, left = 0;
+  for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
+    const auto points = sample_cut_ring(4000, 1.5, seed);
+    before += initial_mesh_of(points, -1.0).report.genus;
+    left += initial_mesh_of(points).report.genus;
+  }
+  EXPECT_GE(before, 12);
+  EXPECT_LE(2 * left, before + 2);
+}
+
+TEST(FalseHandles, AreNoneOfTheObject) {
+  for (const Index count : {600, 1000, 3000, 10000})
+    for (const unsigned seed : {1u, 2u, 3u, 4u}) {
+      const InitialMesh result =
+          initial_mesh_of(sample_shape(ShapeKind::double_torus, count, seed));
+      EXPECT_EQ(result.report.genus, 2) << count << " samples, seed " << seed;
+      EXPECT_EQ(result.report.false_handles, 0);
+    }
+}
+
+// Two balls so close that voxels join them: to cut there would part the surface.
+TEST(FalseHandles, CutsPartNothing) {
+  const auto balls = [](const Vec3& p) {
+    const Vec3 centre(0.452, 0.0, 0.0);
+    return std::min((p - centre).norm(), (p + centre).norm()) - 0.45;
+  };
+  Random random(1);
+  const auto samples = sample_implicit(balls, {}, 1000, random);
+  InitialMesh result = initial_mesh_of(samples.points);
+  ASSERT_EQ(result.report.components, 1) << "nothing is joined: this test tests nothing";
+  FalseHandleOptions options;
+  options.least_cosine = 1.0;
+  Progress silent;
+  const std::vector<Triangle> before = result.mesh.triangles();
+  EXPECT_EQ(cut_false_handles(result.mesh, oriented_cloud(samples.points), options, silent), 0);
+  EXPECT_EQ(result.mesh.triangles(), before);
+}
+
+}  // namespace
+}  // namespace shrinkwrap::testing
