@@ -108,6 +108,10 @@ void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings
     warnings.push_back("Voxels of " + formatted("%.3g", report.voxel_size) +
                        " median spacings were taken, larger than asked for: the samples are too "
                        "unevenly spread for smaller ones, and the shape of the densest is lost.");
+  if (report.false_handles > 0)
+    warnings.push_back(count_of(report.false_handles, "handle") +
+                       " cut that no samples bear out (bridges between close parts, or tunnels "
+                       "through thin walls).");
   if (report.handles_refuted > 0)
     warnings.push_back(count_of(report.handles_refuted, "handle") +
                        " of the first solid left out: one of voxels of " +
