@@ -229,7 +229,7 @@ CaseCloud cloud_of(const Case& generated) {
   for (Vec3& p : points) {
     if (generated.rotated) p = rotation * p;
     p = scale * (p + generated.offset);
-    if (generated.single_precision) p = p.cast<float>().cast<double>();
+    if (generated.single_precision) p = rounded_to_single(p);
     largest = std::max(largest, p.cwiseAbs().maxCoeff());
   }
 

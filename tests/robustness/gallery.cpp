@@ -153,7 +153,7 @@ class Builder {
       return joined(points, twins);
     }());
     add("pairs_in_the_last_bit_of_a_float", [&] {
-      Points points = changed(sphere(1500), [](Vec3& p) { p = p.cast<float>().cast<double>(); });
+      Points points = changed(sphere(1500), [](Vec3& p) { p = rounded_to_single(p); });
       Points twins =
           changed(points, [](Vec3& p) { p.x() = std::nextafter(static_cast<float>(p.x()), 2.0f); });
       return joined(points, twins);
