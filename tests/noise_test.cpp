@@ -102,7 +102,10 @@ TEST(Noise, TheParametricSurfaceOfANoisyCloudIsSmoothedForIt) {
 TEST(Noise, TheMatchingOfANoisyCloudHasTheTopologyOfTheObject) {
   const auto matched = [](ShapeKind kind, unsigned seed, bool may_be_smoothed) {
     ReconstructionOptions options;
-    if (!may_be_smoothed) options.noise.high = options.denoising.from = 1e6;
+    if (!may_be_smoothed) {
+      options.noise.high = options.denoising.from = 1e6;
+      options.initial_mesh.false_handles.least_cosine = -1.0;
+    }
     Progress silent;
     return reconstruct(noisy(kind, 5000, seed, 1.0), options, silent).report;
   };
