@@ -11,7 +11,8 @@ namespace shrinkwrap {
 namespace {
 
 constexpr Index kGrain = 1 << 10;
-constexpr int kMostRounds = 4;  // a handle may have several bridges side by side
+constexpr int kMostRounds = 4;  // loops that meet those of a round are cut in the next
+constexpr Index kUpdateInterval = 1 << 12;
 // Where a ball of this many edges more than that of a loop is a disc, no vertex so near to its
 // centre has a loop either.
 constexpr Index kClear = 2;
@@ -34,6 +35,7 @@ class FalseHandles {
     std::vector<char> is_clear(cosine_.size(), 0);
     std::vector<Loop> found;
     for (Index v = 0; v < mesh_.vertex_slots(); ++v) {
+      if (v % kUpdateInterval == 0) progress.update(1.0);
       // The vertex of a false loop where it agrees least.
       if (cosine_[v] >= options_.least_cosine || is_clear[v]) continue;
       if (clear_around(v, is_clear, progress)) continue;
