@@ -111,7 +111,7 @@ void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings
   if (report.false_handles > 0)
     warnings.push_back(count_of(report.false_handles, "handle") +
                        " cut that no samples bear out (bridges between close parts, or tunnels "
-                       "through thin walls).");
+                       "through thin walls): see CutFalseHandles.");
   if (report.handles_refuted > 0)
     warnings.push_back(count_of(report.handles_refuted, "handle") +
                        " of the first solid left out: one of voxels of " +

@@ -23,6 +23,7 @@ constexpr char kVoxelSize[] = "VoxelSize";
 constexpr char kLevel[] = "Level";
 constexpr char kWidestOpening[] = "WidestOpening";
 constexpr char kMaximumGenus[] = "MaximumGenus";
+constexpr char kCutFalseHandles[] = "CutFalseHandles";
 constexpr char kMinComponent[] = "MinComponentSamples";
 constexpr char kShrinkIterations[] = "ShrinkIterations";
 constexpr char kBoxLevels[] = "BoxLevels";
@@ -158,6 +159,14 @@ Parameter maximum_genus() {
                          "a cup's ear) the mesh may have. -1: as many as the samples show. 0 "
                          "suits busts, teeth and bones: handles beyond are cut where they are "
                          "thinnest. Unit: handles; -1 and up."));
+}
+
+Parameter cut_false_handles() {
+  return advanced(boolean(
+      kCutFalseHandles, "Cut false handles", true,
+      "Robust method: cut handles that no points bear out, which are bridges between close parts "
+      "and tunnels through thin walls; the log says how many. Off: they stay. Of use for objects "
+      "whose own limbs, or holes through them, are hardly wider than two sample spacings."));
 }
 
 Parameter threads() {
@@ -301,6 +310,7 @@ std::vector<Parameter> reconstruct_parameters() {
                        "them with \"Colorize by vertex Quality\". Takes about twice the memory.")),
       widest_opening(),
       maximum_genus(),
+      cut_false_handles(),
   };
   append(list, solid_parameters());
   list.push_back(repair_intersections());
@@ -402,8 +412,8 @@ std::vector<Parameter> parameters_of(Filter filter) {
       list = reconstruct_parameters();
       break;
     case Filter::initial_mesh:
-      list = {samples_layer(), selected_only(),    exclude_outliers(),
-              method(),        smooth_for_noise(), maximum_genus()};
+      list = {samples_layer(),    selected_only(), exclude_outliers(), method(),
+              smooth_for_noise(), maximum_genus(), cut_false_handles()};
       append(list, solid_parameters());
       append(list, shrink_parameters());
       break;
@@ -515,6 +525,9 @@ FilterRequest request_of(Filter filter, const ParameterValues& values) {
   options.complete_matching.openings = static_cast<CompleteMatchingOptions::Openings>(openings);
   reader.read(kWidestOpening, options.complete_matching.widest_opening);
   reader.read(kMaximumGenus, options.initial_mesh.maximum_genus);
+  bool cuts_false_handles = true;
+  reader.read(kCutFalseHandles, cuts_false_handles);
+  if (!cuts_false_handles) options.initial_mesh.false_handles.least_cosine = -1.0;
 
   if (const Index target = options.control_mesh.target_vertices; target > 0 && target < 4)
     throw InvalidInput("the parameter " + std::string(kControlVertices) + " is " +

@@ -153,9 +153,12 @@ TEST(FilterRuns, ChainThatFillsNotchesGivesTheBytesOfTheOneShot) {
   }
 }
 
-bool is_told(const FilterOutcome& outcome, const std::string& what) {
-  return std::any_of(outcome.log.begin(), outcome.log.end(),
+bool is_in(const std::vector<std::string>& lines, const std::string& what) {
+  return std::any_of(lines.begin(), lines.end(),
                      [&](const std::string& line) { return line.find(what) != std::string::npos; });
+}
+bool is_told(const FilterOutcome& outcome, const std::string& what) {
+  return is_in(outcome.log, what);
 }
 
 // The matching makes them samples again, and the stages after it find them among the vertices.
@@ -240,6 +243,19 @@ TEST(FilterRuns, NoiseAndWhatWasSmoothedAreTold) {
     EXPECT_TRUE(is_told(outcome, "noise smoothed: 2500 samples moved")) << outcome.layer_suffix;
   }
   EXPECT_FALSE(is_told(run(Filter::reconstruct, input), "noise smoothed"));
+}
+
+TEST(FilterRuns, FalseHandlesAreToldUnlessTheyStay) {
+  FilterInput input;
+  input.points = in_single_precision(sample_shape(ShapeKind::thin_plate, 900, 3));
+  const ParameterValues stay = {{"CutFalseHandles", 0}};
+  for (const Filter filter : {Filter::reconstruct, Filter::initial_mesh}) {
+    const FilterOutcome cut = run(filter, input), kept = run(filter, input, stay);
+    EXPECT_TRUE(is_in(cut.warnings, "that no samples bear out")) << cut.layer_suffix;
+    EXPECT_FALSE(is_in(kept.warnings, "that no samples bear out")) << kept.layer_suffix;
+    EXPECT_NE(cut.mesh.triangles, kept.mesh.triangles);
+  }
+  expect_same_bytes(run(Filter::reconstruct, input).mesh, run_chain(input.points, {}).mesh);
 }
 
 TEST(FilterRuns, KeptStagesAreThoseOfTheChain) {
