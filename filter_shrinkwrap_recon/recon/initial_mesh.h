@@ -26,9 +26,10 @@ struct InitialMeshOptions {
   /// out what these show (voxel_refinement.h). 0: never.
   double dense_spacing = 0.65;
   FalseHandleOptions false_handles;  ///< that are cut
-  /// Where the first solid has handles left, a second one with voxels of this many times the size
-  /// is made; the first stays unless the second has fewer handles and as many parts (of larger
-  /// voxels: as many bodies, as cavities between noisy layers are refuted too). 0: never.
+  /// Where the first solid has handles, false or not, a second one with voxels of this many times
+  /// the size is made; the first stays unless the second has fewer that are left, or as many and
+  /// fewer false ones, and as many parts (of larger voxels: as many bodies, as cavities between
+  /// noisy layers are refuted too). 0: never.
   double second_voxel_ratio = 0.85;
   Index maximum_genus = -1;  ///< handles beyond are cut (genus_limit.h); -1: as many as there are
   Index min_component_samples = 30;  ///< solids and cavities supported by fewer samples are dropped
@@ -57,7 +58,7 @@ struct InitialMeshReport {
   bool voxels_are_larger = false;  ///< than asked for: see make_voxel_solid
   Index genus = 0;                 ///< of the mesh, summed over the components
   Index false_handles = 0;         ///< cut, as no samples bear them out
-  Index handles_refuted = 0;       ///< handles of the first solid that the second does not have
+  Index handles_refuted = 0;       ///< left of the first solid, and not of the second
   Index handles_cut = 0;           ///< to keep to `maximum_genus`
   int levels = 0;                  ///< bounding_box only
 };

@@ -70,8 +70,8 @@ class DisjointLoops {
   std::vector<char> is_taken_;  // per vertex
 };
 
-/// Leaves out loops, of those that separate the surface together the longest; the shortest come
-/// first then. Pre: they have no vertex in common. O(F).
+/// Leaves out loops, of those that separate the surface together the longest: along the others it
+/// can be cut and stays in one piece. Pre: they have no vertex in common. O(F).
 void keep_inseparable(const SurfaceMesh& mesh, std::vector<Loop>& loops, Progress& progress);
 
 /// Opens the surface along loops that have no vertex in common, and closes each side with a fan.

@@ -1,0 +1,89 @@
+// Loops on a torus: around its tube, along it, and cuts along them.
+#include "surface_loops.h"
+
+#include <gtest/gtest.h>
+
+#include "expect_mesh.h"
+#include "shapes.h"
+
+namespace shrinkwrap::testing {
+namespace {
+
+constexpr int kAlong = 40, kAround = 10;  // edges
+
+// Around the tube, at a place along it.
+Loop around(int place) {
+  Loop loop;
+  for (Index j = 0; j < kAround; ++j) loop.push_back(place * kAround + j);
+  return loop;
+}
+Loop along() {
+  Loop loop;
+  for (Index i = 0; i < kAlong; ++i) loop.push_back(i * kAround);
+  return loop;
+}
+
+class SurfaceLoops : public ::testing::Test {
+ protected:
+  SurfaceMesh torus = torus_mesh(kAlong, kAround);
+  Progress silent;
+};
+
+TEST_F(SurfaceLoops, ThroughAVertexThereAreTwoOnATorus) {
+  for (const Index root : {0, 7, 123}) {
+    const std::vector<Loop> loops = loops_from(torus, {root}, silent);
+    ASSERT_EQ(loops.size(), 2u);
+    EXPECT_EQ(loops[0].size(), static_cast<std::size_t>(kAround));
+    EXPECT_EQ(loops[1].size(), static_cast<std::size_t>(kAlong));
+    for (const Loop& loop : loops)
+      for (std::size_t i = 0; i < loop.size(); ++i)
+        EXPECT_NE(torus.find_halfedge(loop[i], loop[(i + 1) % loop.size()]), kNone);
+  }
+  EXPECT_TRUE(loops_from(icosphere(2), {0}, silent).empty());
+}
+
+TEST_F(SurfaceLoops, ABallIsADiscUntilItMeetsItself) {
+  PathTree tree(torus);
+  for (Index radius = 1; radius <= 8; ++radius) {
+    ASSERT_TRUE(tree.grow(torus, {55}, radius, torus.position.size(), silent));
+    const bool is_disc = radius < kAround / 2;
+    EXPECT_EQ(tree.is_disc(torus), is_disc) << radius;
+    const Loop loop = loop_in_ball(torus, tree, 55, radius, silent);
+    EXPECT_EQ(loop.size(), is_disc ? 0u : static_cast<std::size_t>(kAround)) << radius;
+  }
+  EXPECT_FALSE(tree.grow(torus, {55}, 8, 50, silent)) << "there are more than 50 vertices so near";
+}
+
+TEST_F(SurfaceLoops, DisjointOnesShareNoVertex) {
+  DisjointLoops disjoint(torus, 3);
+  for (const Loop& loop :
+       {around(3), along(), Loop(), around(3), around(9), around(20), around(30)})
+    disjoint.add(loop);
+  EXPECT_EQ(disjoint.loops, (std::vector<Loop>{around(3), around(9), around(20)}));
+}
+
+TEST_F(SurfaceLoops, OfThoseThatSeparateOneIsLeftOut) {
+  std::vector<Loop> loops = {around(3)};
+  keep_inseparable(torus, loops, silent);
+  EXPECT_EQ(loops, (std::vector<Loop>{around(3)}));
+  // Around the tube, with a detour: longer.
+  Loop detour = around(20);
+  detour.insert(detour.begin() + 1, 21 * kAround + 1);
+  loops = {detour, around(3)};
+  keep_inseparable(torus, loops, silent);
+  EXPECT_EQ(loops, (std::vector<Loop>{around(3)}));
+}
+
+TEST_F(SurfaceLoops, CutsCloseBothSides) {
+  const Index vertices = torus.vertex_count();
+  cut_along(torus, {around(3)}, silent);
+  EXPECT_TRUE(torus.is_consistent());
+  expect_closed_manifold(torus, 1, 0);
+  EXPECT_EQ(torus.vertex_count(), vertices + kAround + 2);
+  SurfaceMesh other = torus_mesh(kAlong, kAround);
+  cut_along(other, {around(3), around(20)}, silent);
+  expect_closed_manifold(other, 2, 0);
+}
+
+}  // namespace
+}  // namespace shrinkwrap::testing
