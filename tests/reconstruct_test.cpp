@@ -196,6 +196,23 @@ TEST(Reconstruct, LargerVoxelsRefuteTheHandlesOfNoise) {
   }
 }
 
+// Where lines of a grid meet the object, or scans overlap: three samples a hundred thousandth of a
+// spacing apart, which leave but needles around them.
+TEST(Reconstruct, SamplesNextToEachOtherMakeNoFacesMeet) {
+  constexpr double kSpacing = 0.065;
+  for (const unsigned seed : {2u, 3u}) {
+    std::vector<Vec3> points = sample_shape_blue_noise(ShapeKind::sphere, 3000, seed);
+    Random random(seed);
+    for (std::size_t i = 0; i < 120; ++i)
+      points.push_back((points[i / 2] + 1e-5 * kSpacing * random.in_cube()).normalized());
+    const Reconstruction result = reconstruct_silently(points);
+    EXPECT_GT(result.intersection_repair.faces_before, 50);
+    EXPECT_EQ(result.report.self_intersecting_faces, 0);
+    EXPECT_EQ(result.report.samples_matched, 3120);
+    EXPECT_EQ(result.report.genus, 0);
+  }
+}
+
 TEST(Reconstruct, SameBytesForAnyNumberOfThreads) {
   const std::vector<Vec3> points = sample_shape(ShapeKind::double_torus, 12000, 4);
   for (const bool as_paper : {false, true}) {

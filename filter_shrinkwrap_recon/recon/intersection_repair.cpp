@@ -18,8 +18,8 @@ namespace {
 
 // No face is made whose height is a smaller part of its longest edge, unless one was there.
 constexpr double kLeastHeight = 1e-3;
-// The same where two flips do not help: samples a thousandth of an edge apart leave but needles.
-constexpr double kLeastHeightAtLast = 1e-5;
+// The same where two flips do not help: samples next to each other leave but needles.
+constexpr double kLeastHeightAtLast = 1e-8;
 // Unfolding by a smaller part is no reason to flip.
 constexpr double kLeastUnfolding = 1e-3;
 // Pairs that the first of several flips may add.
