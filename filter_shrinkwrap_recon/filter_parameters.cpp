@@ -525,9 +525,7 @@ FilterRequest request_of(Filter filter, const ParameterValues& values) {
   options.complete_matching.openings = static_cast<CompleteMatchingOptions::Openings>(openings);
   reader.read(kWidestOpening, options.complete_matching.widest_opening);
   reader.read(kMaximumGenus, options.initial_mesh.maximum_genus);
-  bool cuts_false_handles = true;
-  reader.read(kCutFalseHandles, cuts_false_handles);
-  if (!cuts_false_handles) options.initial_mesh.false_handles.least_cosine = -1.0;
+  reader.read(kCutFalseHandles, options.initial_mesh.false_handles.enabled);
 
   if (const Index target = options.control_mesh.target_vertices; target > 0 && target < 4)
     throw InvalidInput("the parameter " + std::string(kControlVertices) + " is " +

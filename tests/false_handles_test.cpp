@@ -13,12 +13,11 @@
 namespace shrinkwrap::testing {
 namespace {
 
-// The initial mesh of one voxel size; no handle is false if the cosine is -1.
-InitialMesh initial_mesh_of(const std::vector<Vec3>& points,
-                            double least_cosine = FalseHandleOptions().least_cosine) {
+// The initial mesh of one voxel size.
+InitialMesh initial_mesh_of(const std::vector<Vec3>& points, bool is_cut = true) {
   InitialMeshOptions options;
   options.second_voxel_ratio = 0.0;
-  options.false_handles.least_cosine = least_cosine;
+  options.false_handles.enabled = is_cut;
   Progress silent;
   return make_initial_mesh(oriented_cloud(points), options, silent);
 }
@@ -29,7 +28,7 @@ TEST(FalseHandles, AreCutFromThinWalls) {
     Index left = 0;
     for (const unsigned seed : {1u, 2u, 3u, 4u}) {
       const auto points = sample_shape(kind, 1000, seed);
-      const Index handles = initial_mesh_of(points, -1.0).report.genus;
+      const Index handles = initial_mesh_of(points, false).report.genus;
       EXPECT_GT(handles, 1) << "there is nothing to cut: this test tests nothing";
       const InitialMesh result = initial_mesh_of(points);
       EXPECT_EQ(result.report.false_handles, handles - result.report.genus);
@@ -46,7 +45,7 @@ TEST(FalseHandles, AreCutFromANarrowGap) {
   Index before = 0, left = 0;
   for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
     const auto points = sample_cut_ring(4000, 1.5, seed);
-    before += initial_mesh_of(points, -1.0).report.genus;
+    before += initial_mesh_of(points, false).report.genus;
     left += initial_mesh_of(points).report.genus;
   }
   EXPECT_GE(before, 12);

@@ -120,7 +120,7 @@ TEST(GenusLimit, IsImposedOnAReconstruction) {
 // A ring that is cut open, the ends so close that one voxel size bridges the gap.
 TEST(InitialMesh, RefutesHandlesAcrossANarrowGap) {
   ReconstructionOptions options;
-  options.initial_mesh.false_handles.least_cosine = -1.0;
+  options.initial_mesh.false_handles.enabled = false;
   Index refuted = 0;
   for (const unsigned seed : {1u, 2u, 3u, 4u}) {
     Progress silent;

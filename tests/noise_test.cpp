@@ -104,7 +104,7 @@ TEST(Noise, TheMatchingOfANoisyCloudHasTheTopologyOfTheObject) {
     ReconstructionOptions options;
     if (!may_be_smoothed) {
       options.noise.high = options.denoising.from = 1e6;
-      options.initial_mesh.false_handles.least_cosine = -1.0;
+      options.initial_mesh.false_handles.enabled = false;
     }
     Progress silent;
     return reconstruct(noisy(kind, 5000, seed, 1.0), options, silent).report;

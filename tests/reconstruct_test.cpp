@@ -188,7 +188,7 @@ TEST(Reconstruct, LargerVoxelsRefuteTheHandlesOfNoise) {
     const std::vector<Vec3> points = sample_shape(ShapeKind::double_torus, 8000, seed, defects);
     ReconstructionOptions options;
     options.denoising.from = 1e6;  // no second attempt, which has no such handles in any case
-    options.initial_mesh.false_handles.least_cosine = -1.0;  // nor would most be left
+    options.initial_mesh.false_handles.enabled = false;  // nor would most be left
     Progress silent;
     EXPECT_EQ(reconstruct(points, options, silent).report.genus, 2);
     options.noise.second_voxel_ratio = InitialMeshOptions().second_voxel_ratio;

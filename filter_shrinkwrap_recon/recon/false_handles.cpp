@@ -20,26 +20,42 @@ constexpr std::size_t kMostOfBall = 1 << 12;
 
 class FalseHandles {
  public:
-  FalseHandles(const SurfaceMesh& mesh, const PointCloud& cloud, const FalseHandleOptions& options,
+  FalseHandles(SurfaceMesh& mesh, const PointCloud& cloud, const FalseHandleOptions& options,
                Progress& progress)
-      : mesh_(mesh), options_(options), cosine_(mesh.position.size()), tree_(mesh) {
-    parallel_for_each(mesh.vertex_slots(), kGrain, progress, [&](Index v) {
-      const Index nearest = cloud.search.nearest(mesh.position[v]).index;
-      const Vec3 normal = gather_one_ring(mesh, v).normal;
-      cosine_[v] = cloud.normal[nearest].dot(normal.cast<float>());
-    });
+      : mesh_(mesh), cloud_(cloud), options_(options), cosine_(mesh.position.size()) {
+    parallel_for_each(mesh.vertex_slots(), kGrain, progress,
+                      [&](Index v) { cosine_[v] = cosine_at(v); });
   }
 
-  // Loops to be cut at once.
-  std::vector<Loop> loops(Progress& progress) {
+  // Cuts what can be cut at once. Returns how many handles.
+  Index cut(Progress& progress) {
+    const std::vector<Loop> loops = find_loops(progress);
+    if (loops.empty()) return 0;
+    const Index first_new = mesh_.vertex_slots();
+    cut_along(mesh_, loops, progress);
+    cosine_.resize(mesh_.position.size());
+    for (const Loop& loop : loops)
+      for (const Index v : loop) cosine_[v] = cosine_at(v);
+    for (Index v = first_new; v < mesh_.vertex_slots(); ++v) cosine_[v] = cosine_at(v);
+    return static_cast<Index>(loops.size());
+  }
+
+ private:
+  float cosine_at(Index v) const {
+    const Index nearest = cloud_.search.nearest(mesh_.position[v]).index;
+    return cloud_.normal[nearest].dot(gather_one_ring(mesh_, v).normal.cast<float>());
+  }
+
+  std::vector<Loop> find_loops(Progress& progress) const {
+    PathTree tree(mesh_);
     std::vector<char> is_clear(cosine_.size(), 0);
     std::vector<Loop> found;
     for (Index v = 0; v < mesh_.vertex_slots(); ++v) {
       if (v % kUpdateInterval == 0) progress.update(1.0);
       // The vertex of a false loop where it agrees least.
       if (cosine_[v] >= options_.least_cosine || is_clear[v]) continue;
-      if (clear_around(v, is_clear, progress)) continue;
-      Loop loop = loop_in_ball(mesh_, tree_, v, options_.radius, progress);
+      if (clear_around(v, tree, is_clear, progress)) continue;
+      Loop loop = loop_in_ball(mesh_, tree, v, options_.radius, progress);
       if (!loop.empty() && mean_cosine(loop) < options_.least_cosine)
         found.push_back(std::move(loop));
     }
@@ -51,13 +67,13 @@ class FalseHandles {
     return std::move(disjoint.loops);
   }
 
- private:
-  bool clear_around(Index centre, std::vector<char>& is_clear, Progress& progress) {
-    if (!tree_.grow(mesh_, {centre}, options_.radius + kClear, kMostOfBall, progress) ||
-        !tree_.is_disc(mesh_))
+  bool clear_around(Index centre, PathTree& tree, std::vector<char>& is_clear,
+                    Progress& progress) const {
+    if (!tree.grow(mesh_, {centre}, options_.radius + kClear, kMostOfBall, progress) ||
+        !tree.is_disc(mesh_))
       return false;
-    for (const Index v : tree_.reached()) {
-      if (tree_.distance(v) > kClear) break;
+    for (const Index v : tree.reached()) {
+      if (tree.distance(v) > kClear) break;
       is_clear[v] = 1;
     }
     return true;
@@ -69,25 +85,25 @@ class FalseHandles {
     return sum / static_cast<double>(loop.size());
   }
 
-  const SurfaceMesh& mesh_;
+  SurfaceMesh& mesh_;
+  const PointCloud& cloud_;
   const FalseHandleOptions& options_;
   std::vector<float> cosine_;  // per vertex: of its normal and that of the nearest sample
-  PathTree tree_;
 };
 
 }  // namespace
 
 Index cut_false_handles(SurfaceMesh& mesh, const PointCloud& cloud,
                         const FalseHandleOptions& options, Progress& progress) {
-  Index cut = 0;
+  FalseHandles handles(mesh, cloud, options, progress);
+  Index all = 0;
   for (int round = 0; round < kMostRounds; ++round) {
-    const std::vector<Loop> loops = FalseHandles(mesh, cloud, options, progress).loops(progress);
-    if (loops.empty()) break;
-    cut_along(mesh, loops, progress);
-    mesh.compact(progress);
-    cut += static_cast<Index>(loops.size());
+    const Index cut = handles.cut(progress);
+    if (cut == 0) break;
+    all += cut;
   }
-  return cut;
+  if (all > 0) mesh.compact(progress);
+  return all;
 }
 
 }  // namespace shrinkwrap

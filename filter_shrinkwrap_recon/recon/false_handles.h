@@ -7,9 +7,10 @@
 namespace shrinkwrap {
 
 struct FalseHandleOptions {
+  bool enabled = true;  ///< for the pipeline: cut any
   /// A handle is false if the normals of a loop around or through it agree less, in the mean, with
   /// those of the nearest samples: on the side of a bridge they are square to each other, around a
-  /// true limb or hole, however narrow, they are alike. -1: none is.
+  /// true limb or hole, however narrow, they are alike.
   double least_cosine = 0.45;
   /// Loops of at most twice as many edges and one are looked at.
   Index radius = 3;

@@ -135,7 +135,7 @@ InitialMesh solid_boundary(const PointCloud& cloud, const WindingNumber& winding
     make_well_composed(solid.image, progress);
     result.mesh = boundary_of(solid.image, solid.lattice, progress);
     keep_supported(result, cloud, kSupportReach * voxel_size, min_samples, progress);
-    if (result.report.genus == 0) return;
+    if (result.report.genus == 0 || !options.false_handles.enabled) return;
     result.report.false_handles =
         cut_false_handles(result.mesh, cloud, options.false_handles, progress);
     result.report.genus -= result.report.false_handles;

@@ -25,7 +25,7 @@ struct InitialMeshOptions {
   /// Parts whose samples are closer than this, x s, get voxels of half the size if the samples bear
   /// out what these show (voxel_refinement.h). 0: never.
   double dense_spacing = 0.65;
-  FalseHandleOptions false_handles;  ///< that are cut
+  FalseHandleOptions false_handles;
   /// Where the first solid has handles, false or not, a second one with voxels of this many times
   /// the size is made; the first stays unless the second has fewer that are left, or as many and
   /// fewer false ones, and as many parts (of larger voxels: as many bodies, as cavities between
