@@ -52,7 +52,10 @@ std::string repair_line(const RepairReport& report) {
   return "Self-intersections repaired: " + count_of(report.faces_before, "face") + " met others, " +
          std::to_string(report.faces_after) + " still do, after " +
          count_of(report.flips, "edge flip") +
-         (report.relocated > 0 ? " and " + count_of(report.relocated, "relocated sample") : "");
+         (report.relocated > 0 ? ", " + count_of(report.relocated, "relocated sample") : "") +
+         (report.annealed > 0
+              ? ", and " + count_of(report.annealed, "patch", "patches") + " annealed"
+              : "");
 }
 
 std::string relaxation_line(const RelaxationReport& report) {

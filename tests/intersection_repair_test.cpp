@@ -114,6 +114,32 @@ TEST(IntersectionRepair, RelocatesSamplesThatChangedPlaces) {
   }
 }
 
+TEST(IntersectionRepair, AnnealsWhatNothingElseParts) {
+  // Samples that lie up to an edge and a half from where they were.
+  Index left = 0, left_without = 0;
+  int annealed = 0;
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    Random random(seed);
+    SurfaceMesh mesh = icosphere(3);
+    shake(mesh, 1.5, random);
+    SurfaceMesh other = mesh;
+    const RepairReport report = repair(mesh);
+    RepairOptions options;
+    options.annealing.moves_per_face = 0;
+    const RepairReport without = repair(other, options);
+    EXPECT_EQ(without.annealed, 0);
+    EXPECT_EQ(without.faces_before_annealing, without.faces_after);
+    EXPECT_EQ(report.faces_before_annealing, without.faces_after);
+    EXPECT_EQ(report.after, count_pairs(mesh));
+    left += report.faces_after;
+    left_without += without.faces_after;
+    annealed += report.annealed;
+  }
+  EXPECT_GT(left_without, 20) << "the cases are too easy";
+  EXPECT_LT(left, 0.3 * left_without);
+  EXPECT_GT(annealed, 5);
+}
+
 TEST(IntersectionRepair, DoesWhatItCanOnAHopelessMesh) {
   for (unsigned seed = 0; seed < 3; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));

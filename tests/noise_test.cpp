@@ -109,7 +109,6 @@ TEST(Noise, TheMatchingOfANoisyCloudHasTheTopologyOfTheObject) {
     Progress silent;
     return reconstruct(noisy(kind, 5000, seed, 1.0), options, silent).report;
   };
-  Index faces_smoothed = 0, faces_rough = 0;
   int wrong = 0;
   for (const ShapeKind kind : {ShapeKind::torus, ShapeKind::double_torus, ShapeKind::blob}) {
     const Shape shape = shape_of(kind);
@@ -119,11 +118,9 @@ TEST(Noise, TheMatchingOfANoisyCloudHasTheTopologyOfTheObject) {
     EXPECT_EQ(smoothed.components, 1);
     EXPECT_TRUE(smoothed.complete_matching());
     wrong += rough.genus != shape.genus;
-    faces_smoothed += smoothed.self_intersecting_faces;
-    faces_rough += rough.self_intersecting_faces;
+    EXPECT_EQ(smoothed.self_intersecting_faces, 0);
   }
   EXPECT_GT(wrong, 0) << "the cases are too easy";
-  EXPECT_LT(faces_smoothed, 0.3 * faces_rough);
 }
 
 TEST(Noise, FewSamplesTellNothing) {

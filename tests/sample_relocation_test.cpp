@@ -47,7 +47,8 @@ TEST(SampleRelocation, PutsASampleWhereItBelongs) {
   ASSERT_GT(before, 3);
   Progress progress;
   FaceMeetings meetings(mesh, kManyTests, progress);
-  const std::vector<Index> changed = relocate_sample(mesh, meetings, kDisplaced, {}, kLeastHeight);
+  const std::vector<Index> changed =
+      relocate_sample(mesh, meetings, kDisplaced, {}, {kLeastHeight});
   EXPECT_FALSE(changed.empty());
   EXPECT_EQ(count_pairs(mesh), 0);
   EXPECT_EQ(meetings.pair_count(), 0);
@@ -67,7 +68,7 @@ TEST(SampleRelocation, LowersTheNumberOfPairsOrLeavesTheMeshAlone) {
   for (Index v = 0; v < mesh.vertex_slots(); ++v) {
     const std::vector<Triangle> before = mesh.triangles();
     const Index pairs_before = meetings.pair_count();
-    const std::vector<Index> changed = relocate_sample(mesh, meetings, v, {}, kLeastHeight);
+    const std::vector<Index> changed = relocate_sample(mesh, meetings, v, {}, {kLeastHeight});
     const std::vector<Triangle> after = mesh.triangles();
     for (Index f = 0; f < mesh.face_slots(); ++f) {
       const bool has_changed = std::binary_search(changed.begin(), changed.end(), f);
@@ -91,7 +92,7 @@ TEST(SampleRelocation, FixedFacesStay) {
   Progress progress;
   FaceMeetings meetings(mesh, kManyTests, progress);
   const Index one = SurfaceMesh::face(mesh.outgoing(kDisplaced));
-  EXPECT_TRUE(relocate_sample(mesh, meetings, kDisplaced, {one}, kLeastHeight).empty());
+  EXPECT_TRUE(relocate_sample(mesh, meetings, kDisplaced, {one}, {kLeastHeight}).empty());
   // All but the faces around the vertex: it has no place to go.
   std::vector<char> is_around(static_cast<std::size_t>(mesh.face_slots()), 0);
   mesh.for_each_outgoing(kDisplaced, [&](Index h) { is_around[SurfaceMesh::face(h)] = 1; });
@@ -99,9 +100,53 @@ TEST(SampleRelocation, FixedFacesStay) {
   for (Index f = 0; f < mesh.face_slots(); ++f)
     if (!is_around[f]) others.push_back(f);
   const std::vector<Triangle> before = mesh.triangles();
-  relocate_sample(mesh, meetings, kDisplaced, others, kLeastHeight);
+  relocate_sample(mesh, meetings, kDisplaced, others, {kLeastHeight});
   for (const Index f : others) EXPECT_EQ(mesh.triangle(f), before[f]);
   EXPECT_EQ(meetings.pair_count(), count_pairs(mesh));
+}
+
+TEST(SampleRelocation, StaysWithinAPatch) {
+  SurfaceMesh mesh = sphere_with_one_displaced();
+  Progress progress;
+  FaceMeetings meetings(mesh, kManyTests, progress);
+  std::vector<Index> around;
+  mesh.for_each_outgoing(kDisplaced, [&](Index h) { around.push_back(SurfaceMesh::face(h)); });
+  std::sort(around.begin(), around.end());
+  RelocationLimits limits{kLeastHeight};
+  limits.patch = &around;
+  limits.most_added = 100;
+  const std::vector<Triangle> before = mesh.triangles();
+  // A ring has no other place for its middle: the vertex comes back into one of its faces.
+  const std::vector<Index> changed = relocate_sample(mesh, meetings, kDisplaced, {}, limits);
+  EXPECT_TRUE(std::includes(around.begin(), around.end(), changed.begin(), changed.end()));
+  for (Index f = 0; f < mesh.face_slots(); ++f)
+    EXPECT_TRUE(mesh.triangle(f) == before[f] ||
+                std::binary_search(around.begin(), around.end(), f))
+        << "face " << f;
+  EXPECT_EQ(meetings.pair_count(), count_pairs(mesh));
+  const std::vector<Index> none;
+  limits.patch = &none;
+  EXPECT_TRUE(relocate_sample(mesh, meetings, kDisplaced, {}, limits).empty());
+}
+
+TEST(SampleRelocation, AddsNoMorePairsThanItMay) {
+  Random random(6);
+  SurfaceMesh mesh = icosphere(3);
+  const double edge = (mesh.position[mesh.target(0)] - mesh.position[mesh.origin(0)]).norm();
+  for (Vec3& p : mesh.position) p += 0.3 * edge * random.in_cube();
+  Progress progress;
+  FaceMeetings meetings(mesh, kManyTests, progress);
+  constexpr int kMost = 3;
+  int more = 0;
+  for (Index v = 0; v < mesh.vertex_slots(); ++v) {
+    const Index before = meetings.pair_count();
+    relocate_sample(mesh, meetings, v, {}, {kLeastHeight, kMost});
+    ASSERT_LE(meetings.pair_count() - before, kMost);
+    more += meetings.pair_count() > before;
+  }
+  EXPECT_GT(more, 10);
+  EXPECT_EQ(meetings.pair_count(), count_pairs(mesh));
+  expect_closed_manifold(mesh, 1, 0);
 }
 
 TEST(SampleRelocation, WithoutTestsNothingIsDone) {
@@ -110,7 +155,7 @@ TEST(SampleRelocation, WithoutTestsNothingIsDone) {
   Progress progress;
   for (const std::int64_t tests : {0, 3, 30}) {
     FaceMeetings meetings(mesh, tests, progress);
-    EXPECT_TRUE(relocate_sample(mesh, meetings, kDisplaced, {}, kLeastHeight).empty());
+    EXPECT_TRUE(relocate_sample(mesh, meetings, kDisplaced, {}, {kLeastHeight}).empty());
     EXPECT_EQ(meetings.tests(), tests);
     EXPECT_EQ(mesh.triangles(), before);
   }

@@ -160,6 +160,42 @@ TEST(SurfaceMesh, FlipTwiceIsTheSameEdge) {
   expect_closed_manifold(mesh, 1, 0);
 }
 
+TEST(SurfaceMesh, PatchesComeBack) {
+  Random random(3);
+  SurfaceMesh mesh = icosphere(3);
+  std::vector<Index> patch;
+  for (Index f = 0; f < mesh.face_slots(); ++f)
+    if (mesh.position[mesh.triangle(f)[0]].z() > 0.3) patch.push_back(f);
+  const auto is_inside = [&](Index h) {
+    return std::binary_search(patch.begin(), patch.end(), SurfaceMesh::face(h));
+  };
+  const SurfaceMesh before = mesh;
+  const SurfaceMesh::Patch copy = mesh.copy_patch(patch);
+  int flips = 0, moves = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const Index h =
+        3 * patch[static_cast<std::size_t>(random.below(static_cast<Index>(patch.size())))];
+    if (is_inside(mesh.twin(h)) && mesh.is_flip_legal(h)) {
+      mesh.flip(h);
+      ++flips;
+    }
+    const Index v = mesh.origin(h), to = patch[static_cast<std::size_t>(i) % patch.size()];
+    bool may_move = mesh.valence(v) == 3 && mesh.is_move_legal(v);
+    mesh.for_each_outgoing(
+        v, [&](Index g) { may_move = may_move && is_inside(g) && SurfaceMesh::face(g) != to; });
+    if (!may_move) continue;
+    mesh.move_vertex(v, to);
+    ++moves;
+  }
+  EXPECT_GT(flips, 1000);
+  EXPECT_GT(moves, 50);
+  EXPECT_NE(mesh.triangles(), before.triangles());
+  ASSERT_TRUE(mesh.is_consistent());
+  mesh.restore_patch(copy);
+  EXPECT_TRUE(mesh.is_consistent());
+  EXPECT_EQ(mesh.triangles(), before.triangles());
+}
+
 TEST(SurfaceMesh, CanonicalFormIsThatOfItsTriangles) {
   Random random(7);
   SurfaceMesh mesh = icosphere(3);

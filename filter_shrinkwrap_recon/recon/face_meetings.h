@@ -62,6 +62,11 @@ class FaceMeetings {
   void replace(const std::vector<Index>& faces, const std::vector<Pair>& pairs);
 
   std::int64_t tests() const { return max_tests_ - tests_left_; }
+  /// Allows for more tests.
+  void grant(std::int64_t tests) {
+    max_tests_ += tests;
+    tests_left_ += tests;
+  }
   bool has_tests_left() const { return tests_left_ > 0; }
 
  private:

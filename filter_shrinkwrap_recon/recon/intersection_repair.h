@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "intersection_annealing.h"
 #include "progress.h"
 #include "surface_mesh.h"
 
@@ -13,16 +14,18 @@ namespace shrinkwrap {
 struct RepairOptions {
   bool enabled = true;     ///< for the pipeline: repair at all
   int max_rounds = 64;     ///< passes over the edges near the faces that still meet others
-  int max_look_ahead = 4;  ///< flips that are tried together where fewer do not help
+  int max_look_ahead = 2;  ///< flips that are tried together where fewer do not help
   /// Hinges looked at bound the time, some 3 us each (coplanar samples: 30; a sample relocated
   /// counts as 50): for each face that meets another at the start, and in all; 0: 50,000 and one
   /// for each face of the mesh. So do the pairs of faces whose boxes meet: a million, and 20 for
-  /// each face of the mesh, never one more.
+  /// each face of the mesh, never one more. Annealing comes on top: at most 20 moves for each trial
+  /// for a face, and 40,000 and two for each face of the mesh (some 5 us each).
   std::int64_t max_trials_per_face = 1000;
   std::int64_t max_trials = 0;
   /// Cosine of the sharpest angle between the normals of neighbours that a flip may make anew, as
   /// long as there is another way.
   double fold_guard = -0.3;
+  AnnealingOptions annealing;
 };
 
 struct RepairReport {
@@ -30,9 +33,13 @@ struct RepairReport {
   Index after = 0;
   Index faces_before = 0;  ///< that meet others: exact however many pairs are known
   Index faces_after = 0;
+  /// Those of which flips and relocations could not dispose: few or none where the surface is
+  /// right.
+  Index faces_before_annealing = 0;
   std::vector<Index> remaining_faces;  ///< those that are left, ascending
   Index flips = 0;
   Index relocated = 0;  ///< samples
+  Index annealed = 0;   ///< patches that came out with fewer pairs
   int rounds = 0;
   std::int64_t tests = 0;  ///< of pairs of faces, after the first search
 
@@ -41,9 +48,11 @@ struct RepairReport {
   void add(RepairReport further) {
     after = further.after;
     faces_after = further.faces_after;
+    faces_before_annealing = further.faces_before_annealing;
     remaining_faces = std::move(further.remaining_faces);
     flips += further.flips;
     relocated += further.relocated;
+    annealed += further.annealed;
     rounds += further.rounds;
     tests += further.tests;
   }
@@ -51,9 +60,11 @@ struct RepairReport {
 
 /// Flips edges near faces that meet others while that lowers the number of pairs, or, at the same
 /// number, unfolds the hinge. Where no flip does, relocates samples (sample_relocation.h), and then
-/// looks for two and more neighbouring flips that do together. What failed is tried again only
-/// where something has changed nearby. Sharper folds than the guard allows are made only where all
-/// this fails, and unfolded at the end if that costs no pair; needles only where folds do not help.
+/// looks for two neighbouring flips that do together. What failed is tried again only where
+/// something has changed nearby. Sharper folds than the guard allows are made only where all this
+/// fails, and unfolded at the end if that costs no pair; needles only where folds do not help. At
+/// last the patches around the faces that still meet are annealed (intersection_annealing.h), of
+/// one, two and three rings, the smallest first.
 /// Vertices neither move nor vanish, no face becomes degenerate, and the mesh stays a closed
 /// 2-manifold of the same genus. `after` is never above `before`.
 ///

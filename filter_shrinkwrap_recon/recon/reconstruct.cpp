@@ -182,12 +182,12 @@ void match(SurfaceMesh parametric, PointCloud& cloud, const std::vector<Vec3>& p
   if (options.keep_stages) result.mesh.vertex_quality = distances(result.mesh);
 }
 
-// Faces that nobody wants in a mesh through the samples: those that meet others, and those with a
-// corner that is no sample.
+// Faces that nobody wants in a mesh through the samples, and that tell of a wrong surface: those
+// that met others until they were annealed, and those with a corner that is no sample.
 Index faults_of(const Reconstruction& result, Index samples) {
-  const std::vector<Index>& meeting = result.intersection_repair.remaining_faces;
-  Index count = static_cast<Index>(meeting.size());
+  Index count = result.intersection_repair.faces_before_annealing;
   if (result.complete_matching.extra_vertices == 0) return count;
+  const std::vector<Index>& meeting = result.intersection_repair.remaining_faces;
   const std::vector<Triangle>& triangles = result.mesh.triangles;
   for (std::size_t f = 0; f < triangles.size(); ++f) {
     const Triangle& t = triangles[f];
@@ -243,7 +243,8 @@ void try_again(Reconstruction& first, Reconstruction& second, Index samples,
   try {
     make();
     const Index faults = faults_of(second, samples);
-    if (faults < attempt.faults_before) {
+    const auto left = [](const Reconstruction& r) { return r.intersection_repair.faces_after; };
+    if (faults < attempt.faults_before && left(second) <= left(first)) {
       PromiseOptions promise;  // that the samples are matched was seen when they were
       promise.may_be_open = true;
       promise.matches_samples = false;
@@ -322,7 +323,7 @@ void match_twice(PointCloud& cloud, const std::vector<Vec3>& points, const Noise
                  result, log, progress);
   }
   // Without noise it does little for vertices that are no samples, which close openings.
-  if (!is_noisy && result.intersection_repair.remaining_faces.empty()) return;
+  if (!is_noisy && result.intersection_repair.faces_before_annealing == 0) return;
   const ProgressShare share(progress, of_first, 1.0);
   try_again(result, second, cloud.size(), &Reconstruction::smoothing, progress,
             [&] { match_smoothed(cloud, points, noise, options, second, progress); });

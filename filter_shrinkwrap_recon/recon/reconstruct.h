@@ -61,9 +61,9 @@ struct StageRecord {
   ResultMesh mesh;  ///< only if keep_stages
 };
 
-/// A mesh that has faults - faces that meet others, or that have a corner that is no sample - may
-/// get a second attempt, unless most faces are faulty; that is taken if it has fewer faulty faces
-/// and no more handles.
+/// A mesh that has faults - faces that met others until they were annealed, or still do, or that
+/// have a corner that is no sample - may get a second attempt, unless most faces are faulty; that
+/// is taken if it has fewer faulty faces, no more that still meet others, and no more handles.
 struct SecondAttempt {
   bool is_made = false;
   bool is_finished = false;  ///< false: no mesh came of it

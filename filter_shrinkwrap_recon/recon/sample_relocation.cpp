@@ -21,12 +21,8 @@ class Relocation {
   using Pair = FaceMeetings::Pair;
 
   Relocation(SurfaceMesh& mesh, FaceMeetings& meetings, Index v,
-             const std::vector<Index>& fixed_faces, double least_height)
-      : mesh_(mesh),
-        meetings_(meetings),
-        v_(v),
-        fixed_faces_(fixed_faces),
-        least_height_(least_height) {
+             const std::vector<Index>& fixed_faces, const RelocationLimits& limits)
+      : mesh_(mesh), meetings_(meetings), v_(v), fixed_faces_(fixed_faces), limits_(limits) {
     mesh_.for_each_outgoing(v, [&](Index h) { star_.push_back(SurfaceMesh::face(h)); });
   }
 
@@ -34,10 +30,11 @@ class Relocation {
     if (star_.size() > kMostFaces) return {};
     for (const Index f : star_)
       if (is_fixed(f)) return {};
-    const std::size_t pairs_now = meetings_.pairs_of(star_).size();
-    if (pairs_now == 0) return {};
-    if (!cut_ears(pairs_now) || !tile_last_face(pairs_now)) return undo();
-    const Place place = best_place(pairs_now);
+    const std::ptrdiff_t most =
+        static_cast<std::ptrdiff_t>(meetings_.pairs_of(star_).size()) + limits_.most_added;
+    if (most < 0) return {};
+    if (!cut_ears(most) || !tile_last_face(most)) return undo();
+    const Place place = best_place(most);
     if (place.face == kNone) return undo();
     put_into(place);
     std::sort(star_.begin(), star_.end());
@@ -54,7 +51,10 @@ class Relocation {
   };
 
   bool is_fixed(Index f) const {
-    return std::binary_search(fixed_faces_.begin(), fixed_faces_.end(), f);
+    const auto holds = [f](const std::vector<Index>& faces) {
+      return std::binary_search(faces.begin(), faces.end(), f);
+    };
+    return holds(fixed_faces_) || (limits_.patch && !holds(*limits_.patch));
   }
   bool has_vertex(Index f) const {
     const Triangle t = mesh_.triangle(f);
@@ -65,7 +65,7 @@ class Relocation {
   }
   const Vec3& at(Index vertex) const { return mesh_.position[vertex]; }
   bool is_sound(const Triangle& t) const {
-    return relative_height(at(t[0]), at(t[1]), at(t[2])) >= least_height_ &&
+    return relative_height(at(t[0]), at(t[1]), at(t[2])) >= limits_.least_height &&
            projection_axis(at(t[0]), at(t[1]), at(t[2])) != kNone;
   }
   double bending(Index a, Index b, const Vec3& normal, const Vec3& other) const {
@@ -88,9 +88,11 @@ class Relocation {
     return {};
   }
 
-  bool cut_ears(std::size_t pairs_now);
-  bool tile_last_face(std::size_t pairs_now);
-  Place best_place(std::size_t pairs_now) const;
+  // All with the most pairs that may be left.
+  bool cut_ears(std::ptrdiff_t most);
+  bool tile_last_face(std::ptrdiff_t most);
+  Place best_place(std::ptrdiff_t most) const;
+  std::ptrdiff_t pair_count() const { return static_cast<std::ptrdiff_t>(pairs_.size()); }
   bool rate(Index f, std::ptrdiff_t most, Place& place) const;
   void put_into(const Place& place);
 
@@ -98,7 +100,7 @@ class Relocation {
   FaceMeetings& meetings_;
   Index v_;
   const std::vector<Index>& fixed_faces_;  // ascending
-  double least_height_;
+  const RelocationLimits& limits_;
   std::vector<Index> star_;            // faces around the vertex at first, later all that changed
   std::vector<Index> flipped_;         // its edges that ears were cut off with
   std::vector<Triangle> tiles_;        // of the ring; the last still has the vertex in it
@@ -108,7 +110,7 @@ class Relocation {
 };
 
 // Flips edges away from the vertex until it has three. False if more pairs come of it than may.
-bool Relocation::cut_ears(std::size_t pairs_now) {
+bool Relocation::cut_ears(std::ptrdiff_t most) {
   const auto has_vertex = [&](Index g) { return this->has_vertex(g); };
   for (std::size_t faces = star_.size(); faces > 3; --faces) {
     Index best = kNone;
@@ -139,13 +141,13 @@ bool Relocation::cut_ears(std::size_t pairs_now) {
     flipped_.push_back(best);
     tiles_.push_back(best_ear);
     pairs_.insert(pairs_.end(), best_pairs.begin(), best_pairs.end());
-    if (pairs_.size() >= pairs_now) return false;
+    if (pair_count() > most) return false;
   }
   return true;
 }
 
 // The face that the last three become.
-bool Relocation::tile_last_face(std::size_t pairs_now) {
+bool Relocation::tile_last_face(std::ptrdiff_t most) {
   if (!mesh_.is_move_legal(v_)) return false;
   const Index h = mesh_.outgoing(v_), g = mesh_.rotate(h), k = mesh_.rotate(g);
   last_three_ = {SurfaceMesh::face(h), SurfaceMesh::face(g), SurfaceMesh::face(k)};
@@ -154,7 +156,7 @@ bool Relocation::tile_last_face(std::size_t pairs_now) {
   const auto has_vertex = [&](Index f) { return this->has_vertex(f); };
   if (!meetings_.find(last, last_three_[0], kAny, has_vertex, pairs_)) return false;
   tiles_.push_back(last);
-  return pairs_.size() < pairs_now;
+  return pair_count() <= most;
 }
 
 // Rates a face as a place that adds at most so many pairs; false if it adds more.
@@ -197,9 +199,9 @@ bool Relocation::rate(Index f, std::ptrdiff_t most, Place& place) const {
   return true;
 }
 
-// The place where the fewest pairs are added, fewer than the tiles have taken away; no face if
+// The place where the fewest pairs are added, not too many beside those of the tiles; no face if
 // there is none.
-Relocation::Place Relocation::best_place(std::size_t pairs_now) const {
+Relocation::Place Relocation::best_place(std::ptrdiff_t most) const {
   std::vector<Triangle> area = tiles_;
   for (const Index f : last_three_) area.push_back(mesh_.triangle(f));
   std::vector<std::pair<double, Index>> by_distance;
@@ -212,10 +214,9 @@ Relocation::Place Relocation::best_place(std::size_t pairs_now) const {
   const std::size_t count = std::min(by_distance.size(), kMostPlaces);
   std::partial_sort(by_distance.begin(), by_distance.begin() + count, by_distance.end());
   Place best, place;
-  best.change = static_cast<std::ptrdiff_t>(pairs_now) - static_cast<std::ptrdiff_t>(pairs_.size());
+  best.change = most - pair_count();
   for (std::size_t i = 0; i < count; ++i) {
-    const std::ptrdiff_t most = best.face == kNone ? best.change - 1 : best.change;
-    if (!rate(by_distance[i].second, most, place)) continue;
+    if (!rate(by_distance[i].second, best.change, place)) continue;
     if (best.face == kNone || place.change < best.change || place.bending < best.bending)
       std::swap(best, place);
   }
@@ -235,8 +236,9 @@ void Relocation::put_into(const Place& place) {
 }  // namespace
 
 std::vector<Index> relocate_sample(SurfaceMesh& mesh, FaceMeetings& meetings, Index v,
-                                   const std::vector<Index>& fixed_faces, double least_height) {
-  return Relocation(mesh, meetings, v, fixed_faces, least_height).run();
+                                   const std::vector<Index>& fixed_faces,
+                                   const RelocationLimits& limits) {
+  return Relocation(mesh, meetings, v, fixed_faces, limits).run();
 }
 
 }  // namespace shrinkwrap

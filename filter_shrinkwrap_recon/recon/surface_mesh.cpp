@@ -287,6 +287,27 @@ Index SurfaceMesh::move_vertex(Index v, Index f) {
   return face(h);
 }
 
+SurfaceMesh::Patch SurfaceMesh::copy_patch(const std::vector<Index>& faces) const {
+  Patch patch;
+  patch.faces = faces;
+  for (const Index f : faces)
+    for (Index h = 3 * f; h < 3 * f + 3; ++h) {
+      patch.origin.push_back(origin_[h]);
+      patch.twin.push_back(twin_[h]);
+    }
+  return patch;
+}
+
+void SurfaceMesh::restore_patch(const Patch& patch) {
+  std::size_t entry = 0;
+  for (const Index f : patch.faces)
+    for (Index h = 3 * f; h < 3 * f + 3; ++h, ++entry) {
+      origin_[h] = patch.origin[entry];
+      outgoing_[origin_[h]] = h;
+      link(h, patch.twin[entry]);
+    }
+}
+
 std::vector<Index> SurfaceMesh::compact() {
   Progress silent;
   return compact(silent);

@@ -146,6 +146,16 @@ class SurfaceMesh {
   /// none of the three.
   Index move_vertex(Index v, Index f);
 
+  /// How some faces are connected, within and beyond.
+  struct Patch {
+    std::vector<Index> faces;
+    std::vector<Index> origin, twin;  ///< of their half-edges
+  };
+  Patch copy_patch(const std::vector<Index>& faces) const;
+  /// Connects these faces as they were, but for where the one-rings begin. Pre: since `copy_patch`
+  /// only edges between them were flipped, and only vertices between them moved to others of them.
+  void restore_patch(const Patch& patch);
+
   /// Drops removed slots, renumbers vertices along a Morton curve and faces by their lowest vertex,
   /// and makes `outgoing` the lowest half-edge of each vertex: the canonical form, in which
   /// from_triangles of the triangles gives the same mesh. Returns, for each old vertex, its new

@@ -1,0 +1,78 @@
+// Edge flips, with account of which faces meet and how the mesh bends.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "face_meetings.h"
+#include "surface_mesh.h"
+
+namespace shrinkwrap {
+
+/// The two triangles at an edge, or the two that its flip would make of them.
+using Hinge = std::array<Triangle, 2>;
+
+struct HingeShape {
+  double bending = 0.0;       ///< sum of length x (1 - cosine of the angle of normals), five edges
+  double sharpest = 1.0;      ///< least of these cosines
+  double least_height = 1.0;  ///< of a triangle, as a part of its longest edge
+};
+
+/// What a flip may do to the shape, unless it was as bad before.
+struct FlipLimits {
+  double fold_guard = -1.0;   ///< least cosine of the angle between the normals of neighbours
+  double least_height = 0.0;  ///< of a triangle, as a part of its longest edge
+};
+
+/// Flips of a mesh whose `FaceMeetings` stay up to date with them.
+class HingeFlips {
+ public:
+  using Pair = FaceMeetings::Pair;
+
+  /// Faces in `fixed_faces` (ascending) stay. All three must outlive the object.
+  HingeFlips(SurfaceMesh& mesh, FaceMeetings& meetings, const std::vector<Index>& fixed_faces)
+      : mesh_(mesh), meetings_(meetings), fixed_faces_(fixed_faces) {}
+
+  std::vector<Index> faces_at(Index h) const {
+    return {SurfaceMesh::face(h), SurfaceMesh::face(mesh_.twin(h))};
+  }
+  Hinge hinge_at(Index h) const;
+  Hinge flipped_hinge_at(Index h) const;
+  HingeShape shape_of(Index h, const Hinge& hinge) const;
+  /// The flip keeps the mesh a manifold and touches no fixed face.
+  bool may_flip(Index h) const;
+  /// `then` instead of the faces at h stays within the limits and has no degenerate face. Also
+  /// tells both shapes.
+  bool is_allowed(Index h, const Hinge& then, const FlipLimits& limits, HingeShape& shape_now,
+                  HingeShape& shape_then) const;
+
+  /// Of the faces at h, as they are.
+  std::vector<Pair> pairs_at(Index h) const { return meetings_.pairs_of(faces_at(h)); }
+  /// The pairs of a hinge if it replaces the faces at the edge h. False if they are more than
+  /// `most` or if that would take too long to find out.
+  bool find_pairs(Index h, const Hinge& hinge, std::size_t most, std::vector<Pair>& pairs) const;
+
+  /// Flips h, after which its faces have these pairs.
+  void flip(Index h, const std::vector<Pair>& pairs) {
+    mesh_.flip(h);
+    update(h, pairs);
+  }
+  /// Undoes it; before, the faces had these pairs.
+  void flip_back(Index h, const std::vector<Pair>& pairs) {
+    mesh_.flip_back(h);
+    update(h, pairs);
+  }
+
+ private:
+  void update(Index h, const std::vector<Pair>& pairs) {
+    meetings_.update_boxes(faces_at(h));
+    meetings_.replace(faces_at(h), pairs);
+  }
+
+  SurfaceMesh& mesh_;
+  FaceMeetings& meetings_;
+  const std::vector<Index>& fixed_faces_;
+};
+
+}  // namespace shrinkwrap

@@ -1,0 +1,195 @@
+// Patches of spoilt meshes, annealed.
+#include "intersection_annealing.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "expect_mesh.h"
+#include "self_intersection.h"
+#include "shapes.h"
+
+namespace shrinkwrap {
+namespace {
+
+using testing::expect_closed_manifold;
+using testing::icosphere;
+using testing::Random;
+
+constexpr std::int64_t kManyTests = 100000000;
+constexpr FlipLimits kLimits{-1.0, 1e-3};
+
+Index count_pairs(const SurfaceMesh& mesh) {
+  Progress progress;
+  return static_cast<Index>(self_intersections(mesh.position, mesh.triangles(), progress).size());
+}
+
+struct Annealed {
+  bool has_helped;
+  std::int64_t moves;  // that were made
+};
+
+Annealed anneal(SurfaceMesh& mesh, const std::vector<Index>& patch, Progress& progress,
+                const std::vector<Index>& fixed = {}, std::int64_t moves = 1000000,
+                const AnnealingOptions& options = {}) {
+  FaceMeetings meetings(mesh, kManyTests, progress);
+  HingeFlips hinges(mesh, meetings, fixed);
+  const Index before = meetings.pair_count();
+  std::int64_t left = moves;
+  const bool has_helped =
+      anneal_patch(mesh, meetings, hinges, patch, fixed, kLimits, options, left, progress, 0.0);
+  EXPECT_EQ(meetings.pair_count(), count_pairs(mesh)) << "what is known of the pairs is right";
+  EXPECT_EQ(has_helped, meetings.pair_count() < before);
+  EXPECT_GE(left, 0);
+  return {has_helped, moves - left};
+}
+
+// The faces with a corner above a height, ascending.
+std::vector<Index> cap_of(const SurfaceMesh& mesh, double z) {
+  std::vector<Index> cap;
+  for (Index f = 0; f < mesh.face_slots(); ++f) {
+    const Triangle t = mesh.triangle(f);
+    if (std::any_of(t.begin(), t.end(), [&](Index v) { return mesh.position[v].z() > z; }))
+      cap.push_back(f);
+  }
+  return cap;
+}
+
+// A sphere on whose cap vertices were shaken and edges flipped at random: a knot of meeting faces.
+SurfaceMesh spoilt_sphere(unsigned seed, int flips = 60) {
+  Random random(seed);
+  SurfaceMesh mesh = icosphere(3);
+  const std::vector<Index> cap = cap_of(mesh, 0.85);
+  for (Vec3& p : mesh.position)
+    if (p.z() > 0.85) p += 0.1 * random.in_cube();
+  while (flips > 0) {
+    const Index h = 3 * cap[static_cast<std::size_t>(random.below(static_cast<Index>(cap.size())))];
+    const bool is_inside =
+        std::binary_search(cap.begin(), cap.end(), SurfaceMesh::face(mesh.twin(h)));
+    if (!is_inside || !mesh.is_flip_legal(h)) continue;
+    mesh.flip(h);
+    --flips;
+  }
+  return mesh;
+}
+
+TEST(IntersectionAnnealing, PartsAKnot) {
+  Index at_first = 0, left = 0;
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    SurfaceMesh mesh = spoilt_sphere(seed);
+    const SurfaceMesh before = mesh;
+    at_first += count_pairs(mesh);
+    const std::vector<Index> patch = cap_of(icosphere(3), 0.85);
+    Progress progress;
+    EXPECT_TRUE(anneal(mesh, patch, progress).has_helped);
+    left += count_pairs(mesh);
+    EXPECT_EQ(mesh.position, before.position);
+    expect_closed_manifold(mesh, 1, 0);
+    for (Index f = 0; f < mesh.face_slots(); ++f)
+      EXPECT_TRUE(mesh.triangle(f) == before.triangle(f) ||
+                  std::binary_search(patch.begin(), patch.end(), f))
+          << "face " << f;
+  }
+  EXPECT_GT(at_first, 150);
+  EXPECT_EQ(left, 0);
+}
+
+TEST(IntersectionAnnealing, LeavesTheMeshSmooth) {
+  const auto bending = [](const SurfaceMesh& mesh) {
+    double sum = 0.0;
+    for (Index h = 0; h < mesh.halfedge_slots(); ++h) {
+      const Vec3 edge = mesh.position[mesh.target(h)] - mesh.position[mesh.origin(h)];
+      const double cosine =
+          mesh.area_vector(SurfaceMesh::face(h))
+              .normalized()
+              .dot(mesh.area_vector(SurfaceMesh::face(mesh.twin(h))).normalized());
+      sum += 0.5 * edge.norm() * (1.0 - cosine);
+    }
+    return sum;
+  };
+  SurfaceMesh mesh = spoilt_sphere(1);
+  const double spoilt = bending(mesh);
+  Progress progress;
+  anneal(mesh, cap_of(icosphere(3), 0.85), progress);
+  ASSERT_EQ(count_pairs(mesh), 0);
+  EXPECT_LT(bending(mesh), 0.6 * spoilt);
+}
+
+TEST(IntersectionAnnealing, WithoutSuccessThePatchIsAsBefore) {
+  // One sphere in another that it cuts: no edges part them.
+  std::vector<Vec3> positions;
+  std::vector<Triangle> triangles;
+  for (const Vec3& shift : {Vec3(0, 0, 0), Vec3(0.9, 0.3, 0.2)}) {
+    const SurfaceMesh sphere = icosphere(1);
+    const Index first = static_cast<Index>(positions.size());
+    for (const Vec3& p : sphere.position) positions.push_back(p + shift);
+    for (const Triangle& t : sphere.triangles())
+      triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  SurfaceMesh mesh = SurfaceMesh::from_triangles(positions, triangles);
+  std::vector<Index> patch(static_cast<std::size_t>(mesh.face_slots()));
+  std::iota(patch.begin(), patch.end(), 0);
+  Progress progress;
+  for (int i = 0; i < 20; ++i)
+    if (!anneal(mesh, patch, progress).has_helped) break;  // as few as there can be
+  const std::vector<Triangle> before = mesh.triangles();
+  const Annealed again = anneal(mesh, patch, progress);
+  EXPECT_FALSE(again.has_helped);
+  EXPECT_EQ(mesh.triangles(), before);
+  EXPECT_TRUE(mesh.is_consistent());
+  EXPECT_GT(again.moves, 0);
+}
+
+TEST(IntersectionAnnealing, MakesNoMoreMovesThanItMay) {
+  const std::vector<Index> patch = cap_of(icosphere(3), 0.85);
+  Progress progress;
+  AnnealingOptions options;
+  for (const std::int64_t moves : {0, 1, 100}) {
+    SurfaceMesh mesh = spoilt_sphere(2);
+    EXPECT_LE(anneal(mesh, patch, progress, {}, moves).moves, moves);
+  }
+  options.moves_per_face = 3;
+  SurfaceMesh mesh = spoilt_sphere(2);
+  EXPECT_LE(anneal(mesh, patch, progress, {}, 1000000, options).moves,
+            static_cast<std::int64_t>(3 * patch.size()));
+  EXPECT_FALSE(anneal(mesh, {}, progress).has_helped);
+}
+
+TEST(IntersectionAnnealing, FixedFacesStay) {
+  SurfaceMesh mesh = spoilt_sphere(3);
+  const SurfaceMesh before = mesh;
+  const std::vector<Index> patch = cap_of(icosphere(3), 0.85);
+  const std::vector<Index> fixed(patch.begin(), patch.begin() + 10);
+  Progress progress;
+  anneal(mesh, patch, progress, fixed);
+  for (const Index f : fixed) EXPECT_EQ(mesh.triangle(f), before.triangle(f));
+  EXPECT_NE(mesh.triangles(), before.triangles());
+}
+
+TEST(IntersectionAnnealing, SameEveryTime) {
+  const std::vector<Index> patch = cap_of(icosphere(3), 0.85);
+  Progress progress;
+  SurfaceMesh first = spoilt_sphere(4), second = spoilt_sphere(4);
+  anneal(first, patch, progress);
+  anneal(second, patch, progress);
+  EXPECT_EQ(first.triangles(), second.triangles());
+}
+
+TEST(IntersectionAnnealing, CanBeCancelled) {
+  SurfaceMesh mesh = spoilt_sphere(5);
+  Progress progress([](double, const char*) { return false; }, {Stage::edge_optimisation});
+  Progress silent;
+  FaceMeetings meetings(mesh, kManyTests, silent);
+  const std::vector<Index> none;
+  HingeFlips hinges(mesh, meetings, none);
+  EXPECT_THROW(progress.begin(Stage::edge_optimisation), Cancelled);
+  std::int64_t moves = 1000;
+  EXPECT_THROW(anneal_patch(mesh, meetings, hinges, cap_of(icosphere(3), 0.85), none, kLimits, {},
+                            moves, progress, 0.0),
+               Cancelled);
+}
+
+}  // namespace
+}  // namespace shrinkwrap
