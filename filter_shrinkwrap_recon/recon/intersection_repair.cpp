@@ -34,7 +34,7 @@ constexpr std::int64_t kTestsPerFace = 20;
 constexpr std::int64_t kTrialsOfRelocation = 50;
 // Beside that there are moves of annealing, 20 for each trial that is allowed for a face, and no
 // more than so many; and tests for them. Larger patches are heaps.
-constexpr std::int64_t kMovesPerTrial = 20, kLeastMoves = 40000, kMovesPerFace = 2;
+constexpr std::int64_t kMovesPerTrial = 20, kLeastMoves = 20000, kMovesPerFace = 2;
 constexpr std::int64_t kTestsPerMove = 30;
 constexpr std::size_t kLargestPatch = 500;
 constexpr Index kPollInterval = 8;
