@@ -132,7 +132,8 @@ class Annealing {
   SurfaceMesh& mesh_;
   FaceMeetings& meetings_;
   HingeFlips& hinges_;
-  const std::vector<Index>&patch_, &fixed_faces_;
+  const std::vector<Index>& patch_;
+  const std::vector<Index>& fixed_faces_;
   const FlipLimits& limits_;
   const AnnealingOptions& options_;
   std::mt19937 random_;
