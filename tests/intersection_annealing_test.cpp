@@ -57,12 +57,12 @@ std::vector<Index> cap_of(const SurfaceMesh& mesh, double z) {
 }
 
 // A sphere on whose cap vertices were shaken and edges flipped at random: a knot of meeting faces.
-SurfaceMesh spoilt_sphere(unsigned seed, int flips = 60) {
+SurfaceMesh spoilt_sphere(unsigned seed, double shift = 0.1, int flips = 60) {
   Random random(seed);
   SurfaceMesh mesh = icosphere(3);
   const std::vector<Index> cap = cap_of(mesh, 0.85);
   for (Vec3& p : mesh.position)
-    if (p.z() > 0.85) p += 0.1 * random.in_cube();
+    if (p.z() > 0.85) p += shift * random.in_cube();
   while (flips > 0) {
     const Index h = 3 * cap[static_cast<std::size_t>(random.below(static_cast<Index>(cap.size())))];
     const bool is_inside =
@@ -94,6 +94,26 @@ TEST(IntersectionAnnealing, PartsAKnot) {
   }
   EXPECT_GT(at_first, 150);
   EXPECT_EQ(left, 0);
+}
+
+TEST(IntersectionAnnealing, ChanceAndRelocationsAreOfUse) {
+  const std::vector<Index> patch = cap_of(icosphere(3), 0.85);
+  const auto left_with = [&](const AnnealingOptions& options) {
+    Index left = 0;
+    for (unsigned seed = 0; seed < 16; ++seed) {
+      SurfaceMesh mesh = spoilt_sphere(seed, 0.3);
+      Progress progress;
+      anneal(mesh, patch, progress, {}, 1000000, options);
+      left += count_pairs(mesh);
+    }
+    return left;
+  };
+  AnnealingOptions cold, only_flips;
+  cold.first_temperature = cold.last_temperature = 1e-6;
+  only_flips.relocations = 0.0;
+  const Index left = left_with({});
+  EXPECT_LT(left, 0.5 * left_with(cold));
+  EXPECT_LT(left, 0.1 * left_with(only_flips));
 }
 
 TEST(IntersectionAnnealing, LeavesTheMeshSmooth) {
@@ -135,7 +155,9 @@ TEST(IntersectionAnnealing, WithoutSuccessThePatchIsAsBefore) {
   for (int i = 0; i < 20; ++i)
     if (!anneal(mesh, patch, progress).has_helped) break;  // as few as there can be
   const std::vector<Triangle> before = mesh.triangles();
-  const Annealed again = anneal(mesh, patch, progress);
+  AnnealingOptions hot;  // to the end, with pairs to be taken back
+  hot.last_temperature = hot.first_temperature;
+  const Annealed again = anneal(mesh, patch, progress, {}, 1000000, hot);
   EXPECT_FALSE(again.has_helped);
   EXPECT_EQ(mesh.triangles(), before);
   EXPECT_TRUE(mesh.is_consistent());
