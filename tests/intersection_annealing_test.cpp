@@ -7,23 +7,20 @@
 #include <numeric>
 
 #include "expect_mesh.h"
-#include "self_intersection.h"
+#include "meeting_pairs.h"
 #include "shapes.h"
 
 namespace shrinkwrap {
 namespace {
 
+using testing::count_pairs;
+using testing::crossing_spheres;
 using testing::expect_closed_manifold;
 using testing::icosphere;
 using testing::Random;
 
 constexpr std::int64_t kManyTests = 100000000;
 constexpr FlipLimits kLimits{-1.0, 1e-3};
-
-Index count_pairs(const SurfaceMesh& mesh) {
-  Progress progress;
-  return static_cast<Index>(self_intersections(mesh.position, mesh.triangles(), progress).size());
-}
 
 struct Annealed {
   bool has_helped;
@@ -37,8 +34,7 @@ Annealed anneal(SurfaceMesh& mesh, const std::vector<Index>& patch, Progress& pr
   HingeFlips hinges(mesh, meetings, fixed);
   const Index before = meetings.pair_count();
   std::int64_t left = moves;
-  const bool has_helped =
-      anneal_patch(mesh, meetings, hinges, patch, fixed, kLimits, options, left, progress, 0.0);
+  const bool has_helped = anneal_patch(hinges, patch, kLimits, options, left, progress, 0.0);
   EXPECT_EQ(meetings.pair_count(), count_pairs(mesh)) << "what is known of the pairs is right";
   EXPECT_EQ(has_helped, meetings.pair_count() < before);
   EXPECT_GE(left, 0);
@@ -138,17 +134,8 @@ TEST(IntersectionAnnealing, LeavesTheMeshSmooth) {
 }
 
 TEST(IntersectionAnnealing, WithoutSuccessThePatchIsAsBefore) {
-  // One sphere in another that it cuts: no edges part them.
-  std::vector<Vec3> positions;
-  std::vector<Triangle> triangles;
-  for (const Vec3& shift : {Vec3(0, 0, 0), Vec3(0.9, 0.3, 0.2)}) {
-    const SurfaceMesh sphere = icosphere(1);
-    const Index first = static_cast<Index>(positions.size());
-    for (const Vec3& p : sphere.position) positions.push_back(p + shift);
-    for (const Triangle& t : sphere.triangles())
-      triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-  }
-  SurfaceMesh mesh = SurfaceMesh::from_triangles(positions, triangles);
+  // No edges part them.
+  SurfaceMesh mesh = crossing_spheres(1);
   std::vector<Index> patch(static_cast<std::size_t>(mesh.face_slots()));
   std::iota(patch.begin(), patch.end(), 0);
   Progress progress;
@@ -208,8 +195,7 @@ TEST(IntersectionAnnealing, CanBeCancelled) {
   HingeFlips hinges(mesh, meetings, none);
   EXPECT_THROW(progress.begin(Stage::edge_optimisation), Cancelled);
   std::int64_t moves = 1000;
-  EXPECT_THROW(anneal_patch(mesh, meetings, hinges, cap_of(icosphere(3), 0.85), none, kLimits, {},
-                            moves, progress, 0.0),
+  EXPECT_THROW(anneal_patch(hinges, cap_of(icosphere(3), 0.85), kLimits, {}, moves, progress, 0.0),
                Cancelled);
 }
 

@@ -7,22 +7,20 @@
 #include <numeric>
 
 #include "expect_mesh.h"
+#include "meeting_pairs.h"
 #include "self_intersection.h"
 #include "shapes.h"
 
 namespace shrinkwrap {
 namespace {
 
+using testing::count_pairs;
+using testing::crossing_spheres;
 using testing::expect_closed_manifold;
 using testing::expect_same_mesh;
 using testing::icosphere;
 using testing::Random;
 using testing::torus_mesh;
-
-Index count_pairs(const SurfaceMesh& mesh) {
-  Progress progress;
-  return static_cast<Index>(self_intersections(mesh.position, mesh.triangles(), progress).size());
-}
 
 RepairReport repair(SurfaceMesh& mesh, const RepairOptions& options = {}) {
   Progress progress;
@@ -157,16 +155,7 @@ TEST(IntersectionRepair, DoesWhatItCanOnAHopelessMesh) {
 }
 
 TEST(IntersectionRepair, CannotPartTwoSpheresButStops) {
-  std::vector<Vec3> positions;
-  std::vector<Triangle> triangles;
-  for (const Vec3& shift : {Vec3(0, 0, 0), Vec3(0.9, 0.3, 0.2)}) {
-    const SurfaceMesh sphere = icosphere(2);
-    const Index first = static_cast<Index>(positions.size());
-    for (const Vec3& p : sphere.position) positions.push_back(p + shift);
-    for (const Triangle& t : sphere.triangles())
-      triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-  }
-  SurfaceMesh mesh = SurfaceMesh::from_triangles(positions, triangles);
+  SurfaceMesh mesh = crossing_spheres(2);
   const SurfaceMesh before = mesh;
   RepairOptions options;
   options.max_trials_per_face = 100;

@@ -6,23 +6,19 @@
 #include <algorithm>
 
 #include "expect_mesh.h"
-#include "self_intersection.h"
+#include "meeting_pairs.h"
 #include "shapes.h"
 
 namespace shrinkwrap {
 namespace {
 
+using testing::count_pairs;
 using testing::expect_closed_manifold;
 using testing::icosphere;
 using testing::Random;
 
 constexpr std::int64_t kManyTests = 100000000;
 constexpr double kLeastHeight = 1e-3;
-
-Index count_pairs(const SurfaceMesh& mesh) {
-  Progress progress;
-  return static_cast<Index>(self_intersections(mesh.position, mesh.triangles(), progress).size());
-}
 
 // A sphere whose vertex 20 lies where the middle of a face is, a quarter of the way round.
 constexpr Index kDisplaced = 20;

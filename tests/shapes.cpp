@@ -431,6 +431,19 @@ SurfaceMesh icosphere(int subdivisions) {
   return SurfaceMesh::from_triangles(std::move(position), faces);
 }
 
+SurfaceMesh crossing_spheres(int subdivisions) {
+  const SurfaceMesh sphere = icosphere(subdivisions);
+  std::vector<Vec3> positions;
+  std::vector<Triangle> triangles;
+  for (const Vec3& centre : {Vec3(0, 0, 0), Vec3(0.9, 0.3, 0.2)}) {
+    const Index first = static_cast<Index>(positions.size());
+    for (const Vec3& p : sphere.position) positions.push_back(p + centre);
+    for (const Triangle& t : sphere.triangles())
+      triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  return SurfaceMesh::from_triangles(positions, triangles);
+}
+
 SurfaceMesh torus_mesh(int major_segments, int minor_segments) {
   std::vector<Vec3> position;
   std::vector<Triangle> faces;

@@ -124,6 +124,8 @@ std::vector<Vec3> sample_strip(Index count, unsigned seed);
 /// The unit sphere as an icosahedron whose faces were split into four `subdivisions` times:
 /// 10 * 4^subdivisions + 2 vertices.
 SurfaceMesh icosphere(int subdivisions);
+/// Two of them of which one cuts the other.
+SurfaceMesh crossing_spheres(int subdivisions);
 /// The torus of `ShapeKind::torus` (radii 0.75 and 0.25, axis z), major x minor vertices. Pre: both
 /// at least 3.
 SurfaceMesh torus_mesh(int major_segments, int minor_segments);

@@ -12,28 +12,24 @@ namespace {
 
 constexpr int kPollInterval = 256;
 constexpr int kMostPasses = 16;  // over the edges of a patch, to settle
-// Bending less by a smaller part is no reason to flip.
-constexpr double kLeastUnfolding = 1e-3;
 
 class Annealing {
  public:
-  Annealing(SurfaceMesh& mesh, FaceMeetings& meetings, HingeFlips& hinges,
-            const std::vector<Index>& patch, const std::vector<Index>& fixed_faces,
-            const FlipLimits& limits, const AnnealingOptions& options)
-      : mesh_(mesh),
-        meetings_(meetings),
-        hinges_(hinges),
+  Annealing(HingeFlips& hinges, const std::vector<Index>& patch, const FlipLimits& limits,
+            const AnnealingOptions& options)
+      : hinges_(hinges),
+        mesh_(hinges.mesh()),
+        meetings_(hinges.meetings()),
         patch_(patch),
-        fixed_faces_(fixed_faces),
         limits_(limits),
         options_(options),
         random_(static_cast<std::mt19937::result_type>(patch.front())) {
     double length = 0.0;
     for (const Index f : patch)
       for (Index h = 3 * f; h < 3 * f + 3; ++h) {
-        const Index v = mesh.origin(h);
+        const Index v = mesh_.origin(h);
         vertices_.push_back(v);
-        length += (mesh.position[mesh.target(h)] - mesh.position[v]).norm();
+        length += (mesh_.position[mesh_.target(h)] - mesh_.position[v]).norm();
       }
     bending_scale_ =
         options.bending_weight * static_cast<double>(3 * patch.size()) / std::max(length, 1e-300);
@@ -94,19 +90,21 @@ class Annealing {
 
   void relocate() {
     const RelocationLimits limits = {limits_.least_height, static_cast<int>(tolerance()), &patch_};
-    relocate_sample(mesh_, meetings_, any_of(vertices_), fixed_faces_, limits);
+    relocate_sample(mesh_, meetings_, any_of(vertices_), hinges_.fixed_faces(), limits);
+  }
+
+  template <class MostPairs>
+  bool try_flip(Index h, const MostPairs& most_pairs) {
+    return is_inside(SurfaceMesh::face(mesh_.twin(h))) && hinges_.try_flip(h, limits_, most_pairs);
   }
 
   void flip() {
     const Index h = 3 * any_of(patch_) + static_cast<Index>(3.0 * chance());
-    if (!is_inside(SurfaceMesh::face(mesh_.twin(h))) || !hinges_.may_flip(h)) return;
-    const Hinge then = hinges_.flipped_hinge_at(h);
-    HingeShape shape_now, shape_then;
-    if (!hinges_.is_allowed(h, then, limits_, shape_now, shape_then)) return;
-    const double most = tolerance() + static_cast<double>(hinges_.pairs_at(h).size()) -
-                        bending_scale_ * (shape_then.bending - shape_now.bending);
-    if (most >= 0.0 && hinges_.find_pairs(h, then, static_cast<std::size_t>(most), pairs_))
-      hinges_.flip(h, pairs_);
+    try_flip(h, [&](const HingeShape& now, const HingeShape& then) {
+      return hinges_.pair_count_at(h) +
+             static_cast<std::ptrdiff_t>(
+                 std::floor(tolerance() - bending_scale_ * (then.bending - now.bending)));
+    });
   }
 
   // Flips while that lowers the bending at no more pairs.
@@ -115,42 +113,31 @@ class Annealing {
     for (int pass = 0; pass < kMostPasses && has_flipped; ++pass) {
       has_flipped = false;
       for (const Index f : patch_)
-        for (Index h = 3 * f; h < 3 * f + 3; ++h) {
-          if (!is_inside(SurfaceMesh::face(mesh_.twin(h))) || !hinges_.may_flip(h)) continue;
-          const Hinge then = hinges_.flipped_hinge_at(h);
-          HingeShape shape_now, shape_then;
-          if (!hinges_.is_allowed(h, then, limits_, shape_now, shape_then) ||
-              shape_then.bending >= (1.0 - kLeastUnfolding) * shape_now.bending ||
-              !hinges_.find_pairs(h, then, hinges_.pairs_at(h).size(), pairs_))
-            continue;
-          hinges_.flip(h, pairs_);
-          has_flipped = true;
-        }
+        for (Index h = 3 * f; h < 3 * f + 3; ++h)
+          has_flipped |= try_flip(h, [&](const HingeShape& now, const HingeShape& then) {
+            return bends_less(then, now) ? hinges_.pair_count_at(h) : -1;
+          });
     }
   }
 
+  HingeFlips& hinges_;
   SurfaceMesh& mesh_;
   FaceMeetings& meetings_;
-  HingeFlips& hinges_;
   const std::vector<Index>& patch_;
-  const std::vector<Index>& fixed_faces_;
   const FlipLimits& limits_;
   const AnnealingOptions& options_;
   std::mt19937 random_;
   std::vector<Index> vertices_;  // of the patch, ascending
   double bending_scale_ = 0.0, temperature_ = 0.0;
-  std::vector<FaceMeetings::Pair> pairs_;  // of a flip; kept for its memory
 };
 
 }  // namespace
 
-bool anneal_patch(SurfaceMesh& mesh, FaceMeetings& meetings, HingeFlips& hinges,
-                  const std::vector<Index>& patch, const std::vector<Index>& fixed_faces,
-                  const FlipLimits& limits, const AnnealingOptions& options,
-                  std::int64_t& moves_left, Progress& progress, double stage_done) {
+bool anneal_patch(HingeFlips& hinges, const std::vector<Index>& patch, const FlipLimits& limits,
+                  const AnnealingOptions& options, std::int64_t& moves_left, Progress& progress,
+                  double stage_done) {
   if (patch.empty()) return false;
-  return Annealing(mesh, meetings, hinges, patch, fixed_faces, limits, options)
-      .run(moves_left, progress, stage_done);
+  return Annealing(hinges, patch, limits, options).run(moves_left, progress, stage_done);
 }
 
 }  // namespace shrinkwrap

@@ -4,10 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "face_meetings.h"
 #include "hinge_flips.h"
 #include "progress.h"
-#include "surface_mesh.h"
+#include "types.h"
 
 namespace shrinkwrap {
 
@@ -28,14 +27,13 @@ struct AnnealingOptions {
 /// the fewest pairs is kept, and its edges are flipped while that bends the mesh less at no more
 /// pairs. Without a state of fewer pairs than at first the patch is as before.
 ///
-/// `patch`: faces, ascending; others do not change, and those of `fixed_faces` (ascending) neither.
+/// `patch`: faces, ascending; others do not change, and the fixed faces of `hinges` neither.
 /// `moves_left` is lowered by the moves tried, which stop at 0. Returns true if there are fewer
 /// pairs. The vertices do not move, and the mesh stays a closed 2-manifold of the same topology.
 /// Deterministic: the same patch draws the same numbers. Progress stays at `stage_done`; throws
 /// Cancelled.
-bool anneal_patch(SurfaceMesh& mesh, FaceMeetings& meetings, HingeFlips& hinges,
-                  const std::vector<Index>& patch, const std::vector<Index>& fixed_faces,
-                  const FlipLimits& limits, const AnnealingOptions& options,
-                  std::int64_t& moves_left, Progress& progress, double stage_done);
+bool anneal_patch(HingeFlips& hinges, const std::vector<Index>& patch, const FlipLimits& limits,
+                  const AnnealingOptions& options, std::int64_t& moves_left, Progress& progress,
+                  double stage_done);
 
 }  // namespace shrinkwrap

@@ -1,19 +1,14 @@
 #include "intersection_repair.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <iterator>
-#include <utility>
 
-#include "exact_predicates.h"
 #include "face_meetings.h"
 #include "hinge_flips.h"
 #include "intersection_annealing.h"
 #include "sample_relocation.h"
 #include "sort_unique.h"
-#include "triangle_geometry.h"
 
 namespace shrinkwrap {
 namespace {
@@ -22,8 +17,6 @@ namespace {
 constexpr double kLeastHeight = 1e-3;
 // The same where two flips do not help: samples next to each other leave but needles.
 constexpr double kLeastHeightAtLast = 1e-8;
-// Unfolding by a smaller part is no reason to flip.
-constexpr double kLeastUnfolding = 1e-3;
 // Pairs that the first of several flips may add.
 constexpr Index kMaxDetour = 2;
 constexpr std::int64_t kLeastTrials = 50000;
@@ -117,16 +110,12 @@ class Repair {
 
 void Repair::flip_if_better(Index h) {
   --trials_left_;
-  const std::size_t pairs_now = hinges_.pairs_at(h).size();
-  if (pairs_now == 0 || !hinges_.may_flip(h)) return;
-  const Hinge then = hinges_.flipped_hinge_at(h);
-  HingeShape shape_now, shape_then;
-  if (!hinges_.is_allowed(h, then, limits_, shape_now, shape_then)) return;
-  const bool unfolds = shape_then.bending < (1.0 - kLeastUnfolding) * shape_now.bending;
-  std::vector<Pair> pairs;
-  if (!hinges_.find_pairs(h, then, unfolds ? pairs_now : pairs_now - 1, pairs)) return;
-  hinges_.flip(h, pairs);
-  keep(h);
+  const std::ptrdiff_t pairs_now = hinges_.pair_count_at(h);
+  if (pairs_now == 0) return;
+  const auto most_pairs = [&](const HingeShape& now, const HingeShape& then) {
+    return bends_less(then, now) ? pairs_now : pairs_now - 1;
+  };
+  if (hinges_.try_flip(h, limits_, most_pairs)) keep(h);
 }
 
 // Flips h and at most `count - 1` edges near it if that loses more pairs than it adds, counting
@@ -219,9 +208,7 @@ void Repair::anneal_near(const std::vector<Index>& faces, int rings, double done
     if (!has_granted_) meetings_.grant(kTestsPerMove * moves_left_);
     has_granted_ = true;
     if (!meetings_.has_tests_left()) return;
-    if (!anneal_patch(mesh_, meetings_, hinges_, patch, fixed_faces_, limits_, options, moves_left_,
-                      progress_, done))
-      continue;
+    if (!anneal_patch(hinges_, patch, limits_, options, moves_left_, progress_, done)) continue;
     ++annealed_;
     touched_.insert(touched_.end(), patch.begin(), patch.end());
   }
@@ -231,16 +218,11 @@ void Repair::anneal_near(const std::vector<Index>& faces, int rings, double done
 // less sharp and adds no pair.
 void Repair::unfold(const std::vector<Index>& faces) {
   for (Index h : edges_of(faces)) {
-    if (!hinges_.may_flip(h)) continue;
-    const Hinge then = hinges_.flipped_hinge_at(h);
-    HingeShape shape_now, shape_then;
-    if (!hinges_.is_allowed(h, then, limits_, shape_now, shape_then)) continue;
-    if (shape_now.sharpest >= options_.fold_guard || shape_then.sharpest <= shape_now.sharpest)
-      continue;
-    std::vector<Pair> pairs;
-    if (!hinges_.find_pairs(h, then, hinges_.pairs_at(h).size(), pairs)) continue;
-    hinges_.flip(h, pairs);
-    keep(h);
+    const auto most_pairs = [&](const HingeShape& now, const HingeShape& then) {
+      const bool unfolds = now.sharpest < options_.fold_guard && then.sharpest > now.sharpest;
+      return unfolds ? hinges_.pair_count_at(h) : -1;
+    };
+    if (hinges_.try_flip(h, limits_, most_pairs)) keep(h);
   }
 }
 

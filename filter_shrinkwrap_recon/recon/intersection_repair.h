@@ -2,6 +2,7 @@
 // change, and which faces have a sample between them.
 #pragma once
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -25,7 +26,7 @@ struct RepairOptions {
   /// Cosine of the sharpest angle between the normals of neighbours that a flip may make anew, as
   /// long as there is another way.
   double fold_guard = -0.3;
-  AnnealingOptions annealing;
+  AnnealingOptions annealing;  ///< of patches of one ring; of n rings, n times as many moves
 };
 
 struct RepairReport {
@@ -33,15 +34,19 @@ struct RepairReport {
   Index after = 0;
   Index faces_before = 0;  ///< that meet others: exact however many pairs are known
   Index faces_after = 0;
-  /// Those of which flips and relocations could not dispose: few or none where the surface is
-  /// right.
-  Index faces_before_annealing = 0;
+  Index faces_before_annealing = 0;    ///< those that were left then
   std::vector<Index> remaining_faces;  ///< those that are left, ascending
   Index flips = 0;
   Index relocated = 0;  ///< samples
   Index annealed = 0;   ///< patches that came out with fewer pairs
   int rounds = 0;
   std::int64_t tests = 0;  ///< of pairs of faces, after the first search
+
+  /// Faces that meet others, or did until they were annealed: where the surface is right, flips and
+  /// relocations leave few or none.
+  Index stubborn_faces() const {
+    return annealed > 0 ? std::max(faces_before_annealing, faces_after) : faces_after;
+  }
 
   /// Of a further repair of the same mesh: what it left, and the work of both. Of a heap, `after`
   /// then counts other pairs than `before`.

@@ -1,0 +1,14 @@
+// The pairs of faces of a mesh that meet, found anew.
+#pragma once
+
+#include "self_intersection.h"
+#include "surface_mesh.h"
+
+namespace shrinkwrap::testing {
+
+inline Index count_pairs(const SurfaceMesh& mesh) {
+  Progress progress;
+  return static_cast<Index>(self_intersections(mesh.position, mesh.triangles(), progress).size());
+}
+
+}  // namespace shrinkwrap::testing
