@@ -144,6 +144,22 @@ TEST(HingeFlips, StaysWithinTheLimitsUnlessItWasAsBad) {
   EXPECT_TRUE(round.hinges.try_flip(e, {-1.0, wide.least_height - 0.01}, any_number));
 }
 
+TEST(HingeFlips, TheTwoTrianglesMayMeetEachOther) {
+  // A pyramid over a flat dart, of which the other diagonal lies outside.
+  const SurfaceMesh pyramid = SurfaceMesh::from_triangles(
+      {{0, 0, 0}, {0, 2, 0}, {-1, -1, 0}, {1, -1, 0}, {0, 0.5, 1}},
+      {{0, 1, 3}, {0, 2, 1}, {1, 2, 4}, {3, 1, 4}, {0, 3, 4}, {2, 0, 4}});
+  ASSERT_EQ(count_pairs(pyramid), 0);
+  Flipped flipped(pyramid);
+  const Index h = flipped.edge(0, 1);
+  EXPECT_FALSE(flipped.hinges.try_flip(
+      h, kNoLimits, [](const HingeShape&, const HingeShape&) { return std::ptrdiff_t{0}; }));
+  EXPECT_EQ(flipped.mesh.triangles(), pyramid.triangles());
+  EXPECT_TRUE(flipped.hinges.try_flip(h, kNoLimits, any_number));
+  EXPECT_GT(count_pairs(flipped.mesh), 0);
+  EXPECT_EQ(flipped.meetings.pair_count(), count_pairs(flipped.mesh));
+}
+
 TEST(HingeFlips, KnowsHowManyPairsThereAreThen) {
   Random random(1);
   SurfaceMesh mesh = icosphere(2);
