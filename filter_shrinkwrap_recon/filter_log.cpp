@@ -151,8 +151,12 @@ void tell_of_attempts(const Reconstruction& result, FilterOutcome& outcome) {
 std::string openings_line(const OpeningsReport& report) {
   std::string line = "Openings: ";
   if (report.spanned > 0)
-    line += std::to_string(report.spanned) + " spanned (longest edge " +
-            formatted("%.1f", report.longest_edge) + " spacings; face quality above 0)";
+    line += std::to_string(report.spanned) + " spanned" +
+            (report.stretched > 0 ? ", " + std::to_string(report.stretched) +
+                                        " of them by membranes stretched between their rims"
+                                  : "") +
+            " (longest edge " + formatted("%.1f", report.longest_edge) +
+            " spacings; face quality above 0)";
   if (report.left_open > 0)
     line += (report.spanned > 0 ? ", " : "") + std::to_string(report.left_open) + " left open";
   if (report.notches_filled > 0) line += " (" + notches_filled(report.notches_filled) + ")";

@@ -192,17 +192,20 @@ FilterOutcome run_parametric_surface(const FilterRequest& request, const FilterI
   ReconstructionOptions options = request.options;
   options.host_scalar = host_scalar_for(input.points, options);
   const PointCloud cloud = prepare_oriented(input, options, progress, outcome);
-  auto [surface, relaxation] =
+  FittedSurface fitted =
       fit_surface(closed_surface(input.mesh, cloud.frame), cloud, options, progress);
+  outcome.mesh = stop_at(fitted, cloud, options, progress);
+  RelaxationReport& relaxation = fitted.relaxation;
+  const ParametricSurface& surface = fitted.surface;
   if (relaxation.faces_before > 0) outcome.log.push_back(relaxation_line(relaxation));
   warn_of_intersections(relaxation.faces_after, outcome.warnings);
   outcome.marked_faces = std::move(relaxation.remaining_faces);
+  if (fitted.openings.spanned > 0) outcome.log.push_back(openings_line(fitted.openings));
   outcome.log.push_back("distance of the vertices from the samples' surface: mean " +
                         formatted("%.3f", surface.report.mean_distance) + ", greatest " +
                         formatted("%.3f", surface.report.max_distance) + " spacings");
   warn_of_size(surface.mesh, cloud.size(), outcome.warnings);
   outcome.log.push_back(surface_verdict("parametric surface", surface.mesh));
-  outcome.mesh = to_result(surface.mesh, cloud.frame, progress);
   outcome.layer_suffix = "parametric surface";
   return outcome;
 }

@@ -162,9 +162,13 @@ void leave_openings(CompleteMatching& matching, const PointCloud& cloud, Progres
   // As it is when it comes back from a layer: later stages depend on where the one-rings begin.
   if (matching.report.notches_filled > 0)
     mesh = SurfaceMesh::from_triangles(std::move(mesh.position), mesh.triangles());
-  matching.opening_faces =
-      OpeningCutter(mesh, cloud.size()).cut(marked_faces(is_dropped), progress);
+  matching.opening_faces = cut_openings(mesh, marked_faces(is_dropped), cloud.size(), progress);
   matching.spanning_faces = matching.opening_faces;
+}
+
+std::vector<Index> cut_openings(const SurfaceMesh& mesh, const std::vector<Index>& faces,
+                                Index first_extra, Progress& progress) {
+  return OpeningCutter(mesh, first_extra).cut(faces, progress);
 }
 
 Index extra_vertices_kept(const SurfaceMesh& mesh, Index samples,
@@ -199,7 +203,7 @@ OpeningsReport decide_openings(CompleteMatching& matching, const PointCloud& clo
   if (spanning.empty()) return report;
   if (options.openings == CompleteMatchingOptions::Openings::leave_open) {
     // As leave_openings made them, unless the mesh comes from elsewhere.
-    matching.opening_faces = OpeningCutter(mesh, cloud.size()).cut(spanning, progress);
+    matching.opening_faces = cut_openings(mesh, spanning, cloud.size(), progress);
     spanning = matching.opening_faces;
     measure_openings(matching, cloud.spacing, report);
     return report;
@@ -226,7 +230,7 @@ OpeningsReport decide_openings(CompleteMatching& matching, const PointCloud& clo
       else
         spanned.push_back(spanning[i]);
     report.notches_filled = fill_border_notches(mesh, cloud, is_wide, progress);
-    matching.opening_faces = OpeningCutter(mesh, cloud.size()).cut(marked_faces(is_wide), progress);
+    matching.opening_faces = cut_openings(mesh, marked_faces(is_wide), cloud.size(), progress);
     // A wide face that stays so that no sample is lost spans an opening all the same.
     std::vector<Index> wide = marked_faces(is_wide), both;
     for (const std::vector<Index>* more : {&wide, &matching.opening_faces}) {

@@ -9,7 +9,8 @@ namespace shrinkwrap {
 
 struct OpeningsReport {
   Index spanned = 0;          ///< patches of faces that span an opening, and stay
-  double longest_edge = 0.0;  ///< of these, x spacing
+  Index stretched = 0;        ///< of these: membranes of a parametric surface (surface_openings.h)
+  double longest_edge = 0.0;  ///< of the faces that span, x spacing
   Index left_open = 0;        ///< patches that are dropped
   Index notches_filled = 0;   ///< triangles that straighten their borders
 };
@@ -28,6 +29,11 @@ void leave_openings(CompleteMatching& matching, const PointCloud& cloud, Progres
 /// `cloud.size()` is sample i. O(F) where something spans.
 OpeningsReport decide_openings(CompleteMatching& matching, const PointCloud& cloud,
                                const CompleteMatchingOptions& options, Progress& progress);
+
+/// The faces to drop for these (ascending) to be openings: a few more or less, so that every vertex
+/// has one fan of faces left, and those below `first_extra` at least one face. Ascending.
+std::vector<Index> cut_openings(const SurfaceMesh& mesh, const std::vector<Index>& faces,
+                                Index first_extra, Progress& progress);
 
 /// Vertices that are no sample (from index `samples` on) of faces that are not dropped. O(F).
 Index extra_vertices_kept(const SurfaceMesh& mesh, Index samples,

@@ -80,20 +80,26 @@ class Fitting {
 
   // How far the vertices are from their targets.
   Distances measure(const SurfaceMesh& mesh, Progress& progress) const {
-    const Index vertices = mesh.vertex_slots();
-    return parallel_sum(vertices, kGrain, progress, Distances(), [&](Index begin, Index end) {
-      Distances block;
-      Index hint = kNone;
-      for (Index v = begin; v < end; ++v) {
-        const OneRing ring = gather_one_ring(mesh, v);
-        const Vec3& position = mesh.position[v];
-        if (const auto target = target_of(position, ring, position + ring.laplacian(), hint))
-          block.add((*target - position).norm());
-        else
-          ++block.membrane;
-      }
-      return block;
+    return parallel_sum(mesh.vertex_slots(), kGrain, progress, Distances(),
+                        [&](Index begin, Index end) {
+                          Distances block;
+                          Index hint = kNone;
+                          for (Index v = begin; v < end; ++v)
+                            if (const auto target = target_of(mesh, v, hint))
+                              block.add((*target - mesh.position[v]).norm());
+                            else
+                              ++block.membrane;
+                          return block;
+                        });
+  }
+
+  std::vector<char> mark_membranes(const SurfaceMesh& mesh, Progress& progress) const {
+    std::vector<char> is_membrane(mesh.position.size());
+    parallel_for_each(mesh.vertex_slots(), kGrain, progress, [&](Index v) {
+      Index hint = kNone;  // a walk from elsewhere may end at another side of the surface
+      is_membrane[v] = !target_of(mesh, v, hint);
     });
+    return is_membrane;
   }
 
   Vec3 limit_position(const SurfaceMesh& mesh, Index v, const OneRing& ring) const {
@@ -126,7 +132,13 @@ class Fitting {
     return mesh.position[v] + options_.attraction * attraction + options_.relaxation * tangential;
   }
 
-  // None in a membrane.
+  // Of a vertex where it is. None in a membrane.
+  std::optional<Vec3> target_of(const SurfaceMesh& mesh, Index v, Index& hint) const {
+    const OneRing ring = gather_one_ring(mesh, v);
+    const Vec3& position = mesh.position[v];
+    return target_of(position, ring, position + ring.laplacian(), hint);
+  }
+
   std::optional<Vec3> target_of(const Vec3& query, const OneRing& ring, const Vec3& centroid,
                                 Index& hint) const {
     if (options_.target == ParametricSurfaceOptions::Target::nearest_sample)
@@ -279,6 +291,11 @@ ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud&
   tell(distances, cloud.spacing, result.report);
   result.mesh = std::move(mesh);
   return result;
+}
+
+std::vector<char> mark_membranes(const SurfaceMesh& surface, const PointCloud& cloud,
+                                 const ParametricSurfaceOptions& options, Progress& progress) {
+  return Fitting(cloud, options).mark_membranes(surface, progress);
 }
 
 void measure_distances(ParametricSurface& surface, const PointCloud& cloud,

@@ -55,6 +55,10 @@ ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud&
                                           const ParametricSurfaceOptions& options,
                                           Progress& progress);
 
+/// Per vertex: 1 if it belongs to a membrane, where no sample supports the surface. Pre: as above.
+std::vector<char> mark_membranes(const SurfaceMesh& surface, const PointCloud& cloud,
+                                 const ParametricSurfaceOptions& options, Progress& progress);
+
 /// Measures `mean_distance`, `max_distance` and `membrane_vertices` anew, on the mesh as it is:
 /// what the fit tells is of control vertices before they went to their limits. Pre: as above.
 void measure_distances(ParametricSurface& surface, const PointCloud& cloud,

@@ -120,8 +120,8 @@ DenoisingReport smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise,
 }
 
 // From the cloud to the parametric surface.
-SurfaceMesh make_surface(PointCloud& cloud, const ReconstructionOptions& options,
-                         Reconstruction& result, StageLog& log, Progress& progress) {
+FittedSurface make_surface(PointCloud& cloud, const ReconstructionOptions& options,
+                           Reconstruction& result, StageLog& log, Progress& progress) {
   SurfaceMesh mesh;
   const auto in_input_frame = [&] { return to_result(mesh, cloud.frame, progress); };
   if (options.initial_mesh.start == InitialMeshOptions::Start::bounding_box)
@@ -147,10 +147,9 @@ SurfaceMesh make_surface(PointCloud& cloud, const ReconstructionOptions& options
   }
   FittedSurface fitted = fit_surface(std::move(mesh), cloud, options, progress);
   result.parametric_surface = fitted.surface.report;
-  result.relaxation = std::move(fitted.relaxation);
-  mesh = std::move(fitted.surface.mesh);
-  log.add(Stage::parametric_surface, mesh.vertex_count(), in_input_frame);
-  return mesh;
+  log.add(Stage::parametric_surface, fitted.surface.mesh.vertex_count(),
+          [&] { return to_result(fitted.surface.mesh, cloud.frame, progress); });
+  return fitted;
 }
 
 // From the parametric surface to the mesh through every sample.
@@ -303,10 +302,9 @@ void match_smoothed(PointCloud& cloud, const std::vector<Vec3>& points, const No
   progress.begin(Stage::orientation);
   smooth_for_noise(cloud, noise, options, result.orientation, progress);
   log.add(Stage::orientation, cloud.size());
-  SurfaceMesh surface = make_surface(cloud, options, result, log, progress);
-  result.relaxation = RelaxationReport();  // of a surface that is not the result
+  FittedSurface fitted = make_surface(cloud, options, result, log, progress);
   undo_denoising(cloud, points, options.samples.neighbours, progress);
-  match_sheets(std::move(surface), cloud, points, options, result, log, progress);
+  match_sheets(std::move(fitted.surface.mesh), cloud, points, options, result, log, progress);
 }
 
 // Noise gives the surface handles and folds, and so does detail that planes cannot tell: where that
@@ -319,8 +317,8 @@ void match_twice(PointCloud& cloud, const std::vector<Vec3>& points, const Noise
   {
     const ProgressShare share(progress, 0.0, of_first);
     StageLog log(result, options);
-    match_sheets(make_surface(cloud, options, result, log, progress), cloud, points, options,
-                 result, log, progress);
+    match_sheets(make_surface(cloud, options, result, log, progress).surface.mesh, cloud, points,
+                 options, result, log, progress);
   }
   // Without noise it does little for vertices that are no samples, which close openings.
   if (!is_noisy && result.intersection_repair.stubborn_faces() == 0) return;
@@ -358,11 +356,14 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
     match_twice(cloud, points, samples.noise, options, result, progress);
     log.skip();
   } else {
-    SurfaceMesh surface = make_surface(cloud, options, result, log, progress);
-    if (options.stop_at_parametric_surface)
-      result.mesh = to_result(surface, cloud.frame, progress);
-    else
-      match_sheets(std::move(surface), cloud, points, options, result, log, progress);
+    FittedSurface fitted = make_surface(cloud, options, result, log, progress);
+    if (options.stop_at_parametric_surface) {
+      result.mesh = stop_at(fitted, cloud, options, progress);
+      result.relaxation = std::move(fitted.relaxation);
+      result.openings = fitted.openings;
+    } else {
+      match_sheets(std::move(fitted.surface.mesh), cloud, points, options, result, log, progress);
+    }
   }
 
   progress.begin(Stage::report);
@@ -431,10 +432,17 @@ FittedSurface fit_surface(SurfaceMesh control, const PointCloud& cloud,
   if (is_last) parametric.fine_enough = 0.0;  // as fine as samples would make it
   result.surface = make_parametric_surface(std::move(control), cloud, parametric, progress);
   SurfaceMesh& mesh = result.surface.mesh;
+  if (is_last) {
+    progress.set_part(0.8, 0.85);
+    result.membranes =
+        find_surface_membranes(mesh, mark_membranes(mesh, cloud, parametric, progress), cloud,
+                               options.complete_matching, progress);
+    stretch_membranes(mesh, result.membranes, progress);
+  }
   round_to_host(mesh, cloud.frame, options.host_scalar);
   if (!is_last) return result;
   if (options.intersection_repair.enabled) {
-    progress.set_part(0.8, 0.95);
+    progress.set_part(0.85, 0.95);
     result.relaxation = relax_self_intersections(mesh, options.relaxation, progress);
   }
   progress.set_part(0.95, 1.0);
@@ -446,6 +454,30 @@ FittedSurface fit_surface(SurfaceMesh control, const PointCloud& cloud,
   }
   measure_distances(result.surface, cloud, options.parametric_surface, progress);
   return result;
+}
+
+ResultMesh stop_at(FittedSurface& fitted, const PointCloud& cloud,
+                   const ReconstructionOptions& options, Progress& progress) {
+  progress.set_part(1.0, 1.0);
+  SurfaceMesh& surface = fitted.surface.mesh;
+  const SurfaceOpenings openings = decide_surface_openings(surface, fitted.membranes, cloud,
+                                                           options.complete_matching, progress);
+  const std::vector<Index>& dropped = openings.opening_faces;
+  if (!dropped.empty()) round_to_host(surface, cloud.frame, options.host_scalar);
+  ResultMesh mesh = to_result(surface, cloud.frame, progress);
+  drop_faces(mesh, dropped, progress);
+  mesh.face_quality = spanning_lengths(mesh, indices_after_drop(openings.spanning_faces, dropped),
+                                       cloud.frame.to_input_length(cloud.spacing));
+  fitted.openings = openings.report;
+  for (const float length : mesh.face_quality)
+    fitted.openings.longest_edge =
+        std::max(fitted.openings.longest_edge, static_cast<double>(length));
+  if (!dropped.empty() && options.intersection_repair.enabled) {
+    RelaxationReport& relaxation = fitted.relaxation;
+    relaxation.remaining_faces = self_intersecting_faces(mesh.position, mesh.triangles, progress);
+    relaxation.faces_after = static_cast<Index>(relaxation.remaining_faces.size());
+  }
+  return mesh;
 }
 
 CompleteMatching match_cloud(SurfaceMesh parametric, PointCloud& cloud, OutlierReport& outliers,

@@ -20,6 +20,7 @@
 #include "point_cloud.h"
 #include "promise.h"
 #include "result_mesh.h"
+#include "surface_openings.h"
 
 namespace shrinkwrap {
 
@@ -131,13 +132,21 @@ HostScalar host_scalar_for(const std::vector<Vec3>& points, const Reconstruction
 
 struct FittedSurface {
   ParametricSurface surface;
+  std::vector<SurfaceMembrane> membranes;  ///< where the run stops at the surface
   RelaxationReport relaxation;
+  OpeningsReport openings;  ///< that `stop_at` made
 };
 
 /// Makes the parametric surface and rounds it to `options.host_scalar`. Where the run stops at it,
-/// faces that meet others are smoothed apart, and both reports are of the result.
+/// its membranes are stretched and faces that meet others are smoothed apart, and both reports are
+/// of the result.
 FittedSurface fit_surface(SurfaceMesh control, const PointCloud& cloud,
                           const ReconstructionOptions& options, Progress& progress);
+
+/// Such a surface as a result, with its openings as the options say: face quality as in
+/// Reconstruction. Fills in `openings`, and counts anew which faces meet if some were dropped.
+ResultMesh stop_at(FittedSurface& fitted, const PointCloud& cloud,
+                   const ReconstructionOptions& options, Progress& progress);
 
 /// `match_samples`; if some of the outliers lie on the mesh, they become samples of the cloud, and
 /// the surface is matched once more (outliers_on_surface.h). `points`: those that the cloud is of.
