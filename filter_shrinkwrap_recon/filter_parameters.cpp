@@ -136,8 +136,9 @@ Parameter openings() {
   return choice(
       kOpenings, "Openings in the scan", {"Close", "Leave open", "Automatic"},
       "Robust method: what becomes of places without samples that are wider than about "
-      "four sample spacings.<br><b>Close</b> spans them with faces between the points around them, "
-      "and the mesh is watertight. Their face quality tells these faces from others: "
+      "four sample spacings.<br><b>Close</b> spans them with faces between the points around them "
+      "(where the run stops at the parametric surface, with a membrane stretched between their "
+      "rims), and the mesh is watertight. Their face quality tells these faces from others: "
       "the longest edge in sample spacings, 0 elsewhere.<br><b>Leave open</b> takes "
       "these faces away, and the mesh has a border there.<br><b>Automatic</b> spans "
       "openings up to a width, see below, and leaves wider ones open.");
@@ -147,7 +148,9 @@ Parameter widest_opening() {
   return advanced(number(
       Kind::real, kWidestOpening, "Widest opening to span (spacings)", 30.0, 4.0, kMostElements,
       "Robust method, for the automatic choice: openings are spanned if no edge across them "
-      "has to be longer. Raised: wider openings are closed, by larger flat "
+      "has to be longer (where the run stops at the parametric surface: if no point of the "
+      "membrane is farther than half of it from the samples). Raised: wider openings are closed, "
+      "by larger flat "
       "faces. Lowered: more of them get a border. Unit: median sample spacing; "
       "range 4 and up; 10 to 100 are useful."));
 }

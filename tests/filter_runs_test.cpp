@@ -245,6 +245,27 @@ TEST(FilterRuns, NoiseAndWhatWasSmoothedAreTold) {
   EXPECT_FALSE(is_told(run(Filter::reconstruct, input), "noise smoothed"));
 }
 
+TEST(FilterRuns, OpeningsOfASurfaceAreToldAndTheChainHasThem) {
+  SampleDefects defects;
+  defects.noise = 0.4;
+  FilterInput input;
+  input.points = in_single_precision(sample_shape(ShapeKind::hemisphere, 2500, 3, defects));
+  const ParameterValues stop = {{"SmoothForNoise", 1}};
+  FilterOutcome chain = run(Filter::initial_mesh, input, stop);
+  chain = run(Filter::control_mesh, through_layer(input.points, chain));
+  chain = run(Filter::parametric_surface, through_layer(input.points, chain), stop);
+  const FilterOutcome closed = run(Filter::reconstruct, input, {{"StopAtParametricSurface", 1}});
+  expect_same_bytes(closed.mesh, chain.mesh);
+  ASSERT_EQ(closed.mesh.face_quality.size(), closed.mesh.triangles.size());
+  EXPECT_EQ(closed.mesh.face_quality, chain.mesh.face_quality);
+  for (const FilterOutcome& outcome : {closed, chain})
+    EXPECT_TRUE(is_told(outcome, "Openings: 1 spanned, 1 of them by membranes stretched"));
+  const FilterOutcome open =
+      run(Filter::reconstruct, input, {{"StopAtParametricSurface", 1}, {"Openings", 1}});
+  EXPECT_TRUE(is_told(open, "Openings: 1 left open"));
+  EXPECT_LT(open.mesh.triangles.size(), closed.mesh.triangles.size());
+}
+
 TEST(FilterRuns, FalseHandlesAreToldUnlessTheyStay) {
   FilterInput input;
   input.points = in_single_precision(sample_shape(ShapeKind::thin_plate, 900, 3));

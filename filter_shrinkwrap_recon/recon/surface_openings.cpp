@@ -97,7 +97,6 @@ struct Stretched {
       : membrane(&of),
         moved(of.vertices),
         area_before(area_of(surface, faces_at(surface, of.vertices))) {
-    of.is_stretched = true;
     std::vector<Index> rim;
     for (const Index v : of.vertices)
       surface.for_each_outgoing(v, [&](Index h) {
@@ -108,6 +107,8 @@ struct Stretched {
     moved.insert(moved.end(), rim.begin(), rim.end());
     for (const Index v : moved) before.push_back(surface.position[v]);
   }
+
+  bool has_rim() const { return moved.size() > membrane->vertices.size(); }
 
   void smooth_rim(SurfaceMesh& surface) const {
     const std::vector<Index> rim(
@@ -186,11 +187,14 @@ void stretch_membranes(SurfaceMesh& surface, std::vector<SurfaceMembrane>& membr
                        Progress& progress) {
   std::vector<Stretched> stretched;
   std::vector<Index> vertices;
-  for (SurfaceMembrane& membrane : membranes)
-    if (membrane.is_wide) {
-      stretched.emplace_back(surface, membrane);
-      vertices.insert(vertices.end(), membrane.vertices.begin(), membrane.vertices.end());
-    }
+  for (SurfaceMembrane& membrane : membranes) {
+    if (!membrane.is_wide) continue;
+    Stretched one(surface, membrane);
+    if (!one.has_rim()) continue;  // a body without samples
+    membrane.is_stretched = true;
+    stretched.push_back(std::move(one));
+    vertices.insert(vertices.end(), membrane.vertices.begin(), membrane.vertices.end());
+  }
   if (stretched.empty()) return;
   std::sort(vertices.begin(), vertices.end());
   for (const Stretched& one : stretched) one.smooth_rim(surface);

@@ -156,7 +156,7 @@ const char* sampling_name(Sampling sampling) {
 
 const char* variant_name(Variant variant) {
   static constexpr const char* names[] = {"standard", "leave_open", "stop_at_surface",
-                                          "as_in_the_paper"};
+                                          "as_in_the_paper", "stop_and_leave_open"};
   return names[static_cast<int>(variant)];
 }
 
@@ -187,16 +187,17 @@ Case case_of(std::uint64_t number) {
         one_of({Vec3(1.0, -2.0, 0.5), Vec3(5e3, 5.4e4, 3.0), Vec3(1e8, 0.0, -1e9)}, random);
   // Single precision would leave nothing of an object that lies a billion times its size away.
   made.single_precision = now_and_then(0.5) && made.offset.norm() < 1e6;
-  if (now_and_then(0.2)) made.variant = static_cast<Variant>(1 + random.below(3));
+  if (now_and_then(0.2)) made.variant = static_cast<Variant>(1 + random.below(4));
   return made;
 }
 
 ReconstructionOptions options_of(const Case& generated) {
   ReconstructionOptions options;
   if (generated.variant == Variant::as_in_the_paper) options = as_in_the_paper();
-  if (generated.variant == Variant::leave_open)
+  if (generated.variant == Variant::leave_open || generated.variant == Variant::stop_and_leave_open)
     options.complete_matching.openings = CompleteMatchingOptions::Openings::leave_open;
-  options.stop_at_parametric_surface = generated.variant == Variant::stop_at_surface;
+  options.stop_at_parametric_surface = generated.variant == Variant::stop_at_surface ||
+                                       generated.variant == Variant::stop_and_leave_open;
   options.host_scalar =
       generated.single_precision ? HostScalar::single_precision : HostScalar::double_precision;
   return options;

@@ -22,7 +22,7 @@ constexpr int kSamplingCount = 5;
 const char* sampling_name(Sampling sampling);
 
 /// What is asked of the reconstruction.
-enum class Variant { standard, leave_open, stop_at_surface, as_in_the_paper };
+enum class Variant { standard, leave_open, stop_at_surface, as_in_the_paper, stop_and_leave_open };
 const char* variant_name(Variant variant);
 
 struct Case {

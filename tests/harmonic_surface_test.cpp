@@ -1,0 +1,124 @@
+// Patches stretched between what surrounds them.
+#include "harmonic_surface.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "shapes.h"
+
+namespace shrinkwrap::testing {
+namespace {
+
+std::vector<Index> vertices_above(const SurfaceMesh& mesh, double z) {
+  std::vector<Index> vertices;
+  for (Index v = 0; v < mesh.vertex_slots(); ++v)
+    if (mesh.position[v].z() > z) vertices.push_back(v);
+  return vertices;
+}
+
+bool holds(const std::vector<Index>& vertices, Index v) {
+  return std::binary_search(vertices.begin(), vertices.end(), v);
+}
+
+// Sum over the edges of `patch` of cotangents (of the mesh as it was) x squared length.
+double membrane_energy(const SurfaceMesh& before, const SurfaceMesh& mesh,
+                       const std::vector<Index>& patch) {
+  const auto cotangent = [&](Index h) {
+    const Vec3& apex = before.position[before.opposite(h)];
+    const Vec3 a = before.position[before.origin(h)] - apex;
+    const Vec3 b = before.position[before.target(h)] - apex;
+    return a.dot(b) / a.cross(b).norm();
+  };
+  double energy = 0.0;
+  for (Index h = 0; h < mesh.halfedge_slots(); ++h)
+    if (holds(patch, mesh.origin(h)) || holds(patch, mesh.target(h)))
+      energy += 0.25 * (cotangent(h) + cotangent(mesh.twin(h))) *
+                (mesh.position[mesh.target(h)] - mesh.position[mesh.origin(h)]).squaredNorm();
+  return energy;
+}
+
+TEST(HarmonicSurface, IsFlatWithinAFlatRim) {
+  for (const int subdivisions : {2, 5}) {
+    SurfaceMesh mesh = icosphere(subdivisions);
+    const std::vector<Index> cap = vertices_above(mesh, 0.5);
+    double radius = 0.0;
+    for (Index v = 0; v < mesh.vertex_slots(); ++v) {
+      Vec3& p = mesh.position[v];
+      bool is_rim = false;
+      mesh.for_each_outgoing(v, [&](Index h) { is_rim |= holds(cap, mesh.target(h)); });
+      if (holds(cap, v) || !is_rim) continue;
+      p.z() = 0.5;
+      radius = std::max(radius, p.norm());
+    }
+    const SurfaceMesh before = mesh;
+    ASSERT_TRUE(make_harmonic(mesh, cap));
+    double nearest_to_axis = 1.0;
+    for (Index v = 0; v < mesh.vertex_slots(); ++v) {
+      const Vec3& p = mesh.position[v];
+      if (!holds(cap, v)) {
+        EXPECT_EQ(p, before.position[v]);
+        continue;
+      }
+      EXPECT_NEAR(p.z(), 0.5, 1e-4);
+      EXPECT_LT(p.norm(), radius);
+      nearest_to_axis = std::min(nearest_to_axis, std::hypot(p.x(), p.y()));
+    }
+    EXPECT_LT(nearest_to_axis, 0.2) << "over all of the opening";
+    for (Index f = 0; f < mesh.face_slots(); ++f) {
+      if (!holds(cap, mesh.triangle(f)[0])) continue;
+      EXPECT_GT(mesh.area_vector(f).z(), 0.0) << "no fold";
+    }
+  }
+}
+
+TEST(HarmonicSurface, HasTheLeastEnergy) {
+  SurfaceMesh mesh = icosphere(3);
+  Random random(1);
+  for (Vec3& p : mesh.position) p = p.cwiseProduct(Vec3(1.0, 1.5, 0.7)) + 0.01 * random.in_cube();
+  const SurfaceMesh before = mesh;
+  const std::vector<Index> cap = vertices_above(mesh, 0.2);
+  ASSERT_TRUE(make_harmonic(mesh, cap));
+  const double least = membrane_energy(before, mesh, cap);
+  EXPECT_LT(least, 0.9 * membrane_energy(before, before, cap));
+  for (int trial = 0; trial < 20; ++trial) {
+    SurfaceMesh other = mesh;
+    for (const Index v : cap) other.position[v] += 0.01 * random.in_cube();
+    EXPECT_GT(membrane_energy(before, other, cap), least);
+  }
+}
+
+TEST(HarmonicSurface, SeveralPatchesAtOnceAndOneByOne) {
+  const SurfaceMesh sphere = icosphere(3);
+  const std::vector<Index> top = vertices_above(sphere, 0.7);
+  std::vector<Index> bottom, both;
+  for (Index v = 0; v < sphere.vertex_slots(); ++v)
+    if (sphere.position[v].z() < -0.8) bottom.push_back(v);
+  std::set_union(top.begin(), top.end(), bottom.begin(), bottom.end(), std::back_inserter(both));
+  SurfaceMesh at_once = sphere, one_by_one = sphere;
+  ASSERT_TRUE(make_harmonic(at_once, both));
+  ASSERT_TRUE(make_harmonic(one_by_one, top) && make_harmonic(one_by_one, bottom));
+  for (Index v = 0; v < sphere.vertex_slots(); ++v)
+    EXPECT_LT((at_once.position[v] - one_by_one.position[v]).norm(), 1e-4);
+}
+
+TEST(HarmonicSurface, FacesOfNoAreaDoNoHarm) {
+  SurfaceMesh mesh = icosphere(3);
+  const std::vector<Index> cap = vertices_above(mesh, 0.5);
+  for (std::size_t i = 0; i < cap.size(); i += 2) mesh.position[cap[i]] = Vec3(0.0, 0.0, 0.9);
+  ASSERT_TRUE(make_harmonic(mesh, cap));
+  for (const Index v : cap) {
+    EXPECT_TRUE(mesh.position[v].allFinite());
+    EXPECT_LT(mesh.position[v].norm(), 1.0);
+  }
+}
+
+TEST(HarmonicSurface, NothingToMove) {
+  SurfaceMesh mesh = icosphere(1);
+  EXPECT_TRUE(make_harmonic(mesh, {}));
+  EXPECT_EQ(mesh.position, icosphere(1).position);
+}
+
+}  // namespace
+}  // namespace shrinkwrap::testing

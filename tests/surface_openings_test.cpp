@@ -1,0 +1,303 @@
+// Openings where a run ends at the parametric surface.
+#include "surface_openings.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "expect_mesh.h"
+#include "meeting_pairs.h"
+#include "oriented_cloud.h"
+#include "parametric_surface.h"
+#include "reconstruct.h"
+#include "shapes.h"
+
+namespace shrinkwrap::testing {
+namespace {
+
+using Openings = CompleteMatchingOptions::Openings;
+
+// A surface, and samples at those of its vertices where the scan is not open.
+struct OpenScan {
+  template <class IsOpen>
+  OpenScan(const SurfaceMesh& mesh, const IsOpen& is_open) : surface(mesh) {
+    std::vector<Vec3> samples;
+    for (const Vec3& p : mesh.position)
+      if (!is_open(p)) samples.push_back(p);
+    cloud = oriented_cloud(samples);
+    for (Vec3& p : surface.position) p = cloud.frame.to_unit(p);
+    find();
+  }
+  void find() {
+    membranes = find_surface_membranes(surface, mark_membranes(surface, cloud, {}, silent), cloud,
+                                       {}, silent);
+  }
+  void stretch() { stretch_membranes(surface, membranes, silent); }
+  SurfaceOpenings decide(Openings openings, double widest = 30.0) {
+    CompleteMatchingOptions options;
+    options.openings = openings;
+    options.widest_opening = widest;
+    return decide_surface_openings(surface, membranes, cloud, options, silent);
+  }
+  Index wide() const {
+    return static_cast<Index>(
+        std::count_if(membranes.begin(), membranes.end(), [](const auto& m) { return m.is_wide; }));
+  }
+  Vec3 at(Index v) const { return cloud.frame.to_input(surface.position[v]); }
+
+  Progress silent;
+  SurfaceMesh surface;
+  PointCloud cloud;
+  std::vector<SurfaceMembrane> membranes;
+};
+
+// The unit sphere without samples above a height.
+OpenScan open_sphere(double z = 0.5) {
+  return OpenScan(icosphere(4), [z](const Vec3& p) { return p.z() > z; });
+}
+
+// Bodies side by side.
+SurfaceMesh joined(const std::vector<SurfaceMesh>& meshes) {
+  std::vector<Vec3> positions;
+  std::vector<Triangle> triangles;
+  for (const SurfaceMesh& mesh : meshes) {
+    const Index first = static_cast<Index>(positions.size());
+    positions.insert(positions.end(), mesh.position.begin(), mesh.position.end());
+    for (const Triangle& t : mesh.triangles())
+      triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+  return SurfaceMesh::from_triangles(positions, triangles);
+}
+
+SurfaceMesh ball(const Vec3& centre, double radius, int subdivisions) {
+  SurfaceMesh mesh = icosphere(subdivisions);
+  for (Vec3& p : mesh.position) p = centre + radius * p;
+  return mesh;
+}
+
+// The torus without samples over an angle around its axis.
+OpenScan open_torus(double angle) {
+  return OpenScan(torus_mesh(150, 50), [angle](const Vec3& p) {
+    return std::abs(std::atan2(p.y(), p.x())) < 0.5 * angle;
+  });
+}
+
+TEST(SurfaceOpenings, NoneInAWholeScan) {
+  const OpenScan scan(icosphere(4), [](const Vec3&) { return false; });
+  EXPECT_TRUE(scan.membranes.empty());
+}
+
+TEST(SurfaceOpenings, FoundWhereNoSampleIs) {
+  const OpenScan scan = open_sphere();
+  ASSERT_EQ(scan.membranes.size(), 1u);
+  EXPECT_TRUE(scan.membranes[0].is_wide);
+  const std::vector<Index>& vertices = scan.membranes[0].vertices;
+  EXPECT_TRUE(std::is_sorted(vertices.begin(), vertices.end()));
+  const double spacing = scan.cloud.frame.to_input_length(scan.cloud.spacing);
+  for (Index v = 0; v < scan.surface.vertex_slots(); ++v) {
+    const bool is_in = std::binary_search(vertices.begin(), vertices.end(), v);
+    const double z = scan.at(v).z();
+    EXPECT_TRUE(is_in || z < 0.5 + 2.0 * spacing);
+    EXPECT_FALSE(is_in && z < 0.5 - spacing);
+  }
+  EXPECT_EQ(open_sphere(0.97).wide(), 0) << "a hole a few spacings across";
+}
+
+TEST(SurfaceOpenings, AVoteStraightensTheOutline) {
+  // A vertex alone among others takes their side.
+  OpenScan scan = open_sphere();
+  const std::vector<Index> vertices = scan.membranes[0].vertices;
+  std::vector<char> marks(scan.surface.position.size(), 0);
+  for (const Index v : vertices) marks[v] = 1;
+  Index top = 0, bottom = 0;
+  for (Index v = 0; v < scan.surface.vertex_slots(); ++v) {
+    if (scan.at(v).z() > scan.at(top).z()) top = v;
+    if (scan.at(v).z() < scan.at(bottom).z()) bottom = v;
+  }
+  marks[top] = 0;
+  marks[bottom] = 1;
+  const auto again = find_surface_membranes(scan.surface, marks, scan.cloud, {}, scan.silent);
+  ASSERT_EQ(again.size(), 1u);
+  EXPECT_EQ(again[0].vertices, vertices);
+}
+
+TEST(SurfaceOpenings, AMembraneIsStretchedFlat) {
+  OpenScan scan = open_sphere();
+  const OpenScan before = open_sphere();
+  scan.stretch();
+  ASSERT_TRUE(scan.membranes[0].is_stretched);
+  const double spacing = scan.cloud.frame.to_input_length(scan.cloud.spacing);
+  for (const Index v : scan.membranes[0].vertices) {
+    EXPECT_NEAR(scan.at(v).z(), 0.5, spacing);
+    EXPECT_LT(std::hypot(scan.at(v).x(), scan.at(v).y()), 0.9);
+  }
+  Index moved = 0;
+  for (Index v = 0; v < scan.surface.vertex_slots(); ++v) {
+    const double way = (scan.at(v) - before.at(v)).norm();
+    EXPECT_TRUE(way == 0.0 || before.at(v).z() > 0.5 - spacing);
+    moved += way > 0.0;
+  }
+  EXPECT_GT(moved, static_cast<Index>(scan.membranes[0].vertices.size()))
+      << "the rim is smoothed too";
+  EXPECT_EQ(count_pairs(scan.surface), 0);
+}
+
+TEST(SurfaceOpenings, AMembraneGoesBackFromWhatItWouldMeet) {
+  const auto beside = [](const std::vector<double>& heights) {
+    std::vector<SurfaceMesh> bodies = {icosphere(4)};
+    for (const double z : heights) bodies.push_back(ball({0.0, 0.0, z}, 0.08, 2));
+    return OpenScan(joined(bodies), [](const Vec3& p) { return p.z() > 0.5 && p.norm() > 0.99; });
+  };
+  const auto top_of = [](const OpenScan& scan) {
+    double top = 0.0;
+    for (const Index v : scan.membranes[0].vertices) top = std::max(top, scan.at(v).z());
+    return top;
+  };
+  OpenScan once = beside({0.5}), never = beside({0.5, 0.75, 0.88});
+  ASSERT_EQ(once.wide(), 1);
+  once.stretch();
+  EXPECT_TRUE(once.membranes[0].is_stretched);
+  EXPECT_NEAR(top_of(once), 0.75, 0.03);
+  EXPECT_EQ(count_pairs(once.surface), 0);
+
+  ASSERT_EQ(never.wide(), 1);
+  const std::vector<Vec3> before = never.surface.position;
+  never.stretch();
+  EXPECT_FALSE(never.membranes[0].is_stretched);
+  EXPECT_EQ(never.surface.position, before);
+}
+
+TEST(SurfaceOpenings, ATubeDoesNotBecomeAThread) {
+  OpenScan narrow = open_torus(0.5), wide = open_torus(1.8);
+  ASSERT_EQ(narrow.wide(), 1);
+  ASSERT_EQ(wide.wide(), 1);
+  narrow.stretch();
+  EXPECT_TRUE(narrow.membranes[0].is_stretched);
+  const std::vector<Vec3> before = wide.surface.position;
+  wide.stretch();
+  EXPECT_FALSE(wide.membranes[0].is_stretched);
+  EXPECT_EQ(wide.surface.position, before);
+}
+
+TEST(SurfaceOpenings, WithoutARimNothingIsStretched) {
+  // A body that no sample is on.
+  OpenScan scan(joined({icosphere(4), ball({4.0, 0.0, 0.0}, 0.5, 2)}),
+                [](const Vec3& p) { return p.x() > 2.0; });
+  ASSERT_EQ(scan.wide(), 1);
+  const std::vector<Vec3> before = scan.surface.position;
+  scan.stretch();
+  EXPECT_EQ(scan.surface.position, before);
+}
+
+TEST(SurfaceOpenings, CloseSpansThem) {
+  OpenScan scan = open_sphere();
+  scan.stretch();
+  const SurfaceOpenings closed = scan.decide(Openings::close);
+  EXPECT_TRUE(closed.opening_faces.empty());
+  EXPECT_EQ(closed.report.spanned, 1);
+  EXPECT_EQ(closed.report.stretched, 1);
+  EXPECT_EQ(closed.report.left_open, 0);
+  const std::vector<Index>& vertices = scan.membranes[0].vertices;
+  for (Index f = 0; f < scan.surface.face_slots(); ++f) {
+    const Triangle t = scan.surface.triangle(f);
+    EXPECT_EQ(std::binary_search(closed.spanning_faces.begin(), closed.spanning_faces.end(), f),
+              std::any_of(t.begin(), t.end(), [&](Index v) {
+                return std::binary_search(vertices.begin(), vertices.end(), v);
+              }));
+  }
+}
+
+TEST(SurfaceOpenings, LeaveOpenDropsThem) {
+  OpenScan scan = open_sphere();
+  scan.stretch();
+  const SurfaceOpenings open = scan.decide(Openings::leave_open);
+  EXPECT_EQ(open.report.left_open, 1);
+  EXPECT_EQ(open.report.spanned, 0);
+  EXPECT_EQ(open.report.stretched, 0);
+  EXPECT_GE(open.opening_faces.size(), scan.membranes[0].vertices.size());
+  EXPECT_EQ(open.spanning_faces, open.opening_faces);
+}
+
+TEST(SurfaceOpenings, AutomaticDecidesByTheirWidth) {
+  // One of radius 0.87, one of 0.44: some 25 and 13 spacings across.
+  OpenScan scan(icosphere(4), [](const Vec3& p) { return p.z() > 0.5 || p.z() < -0.9; });
+  ASSERT_EQ(scan.wide(), 2);
+  const SurfaceOpenings all = scan.decide(Openings::automatic, 100.0);
+  EXPECT_EQ(all.report.spanned, 2);
+  const SurfaceOpenings one = scan.decide(Openings::automatic, 18.0);
+  EXPECT_EQ(one.report.spanned, 1);
+  EXPECT_EQ(one.report.left_open, 1);
+  for (const Index f : one.opening_faces)
+    EXPECT_GT(scan.at(scan.surface.triangle(f)[0]).z(), 0.0) << "the wide one";
+  EXPECT_GT(one.spanning_faces.size(), one.opening_faces.size());
+  EXPECT_EQ(scan.decide(Openings::automatic, 9.0).report.left_open, 2);
+}
+
+TEST(SurfaceOpenings, ARunThatStopsClosesOrLeavesThem) {
+  SampleDefects defects;
+  defects.noise = 0.3;
+  const std::vector<Vec3> points = sample_shape(ShapeKind::hemisphere, 4000, 1, defects);
+  const auto run = [&](Openings openings, double widest = 30.0) {
+    ReconstructionOptions options;
+    options.stop_at_parametric_surface = true;
+    options.complete_matching.openings = openings;
+    options.complete_matching.widest_opening = widest;
+    Progress silent;
+    return reconstruct(points, options, silent);
+  };
+  const Reconstruction closed = run(Openings::close);
+  EXPECT_TRUE(closed.report.closed() && closed.report.manifold());
+  EXPECT_EQ(closed.openings.spanned, 1);
+  EXPECT_EQ(closed.openings.stretched, 1);
+  EXPECT_GT(closed.openings.longest_edge, 0.0);
+  ASSERT_EQ(closed.mesh.face_quality.size(), closed.mesh.triangles.size());
+  double lowest = 1.0, highest = -1.0, area = 0.0;
+  for (std::size_t f = 0; f < closed.mesh.triangles.size(); ++f) {
+    if (closed.mesh.face_quality[f] == 0.0f) continue;
+    const Triangle& t = closed.mesh.triangles[f];
+    const auto& p = closed.mesh.position;
+    area += 0.5 * (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]).norm();
+    for (const Index v : t) {
+      lowest = std::min(lowest, p[v].z());
+      highest = std::max(highest, p[v].z());
+    }
+  }
+  EXPECT_LT(highest - lowest, 4.0 * closed.spacing) << "flat";
+  EXPECT_GT(area, 2.0);
+
+  const Reconstruction open = run(Openings::leave_open);
+  EXPECT_TRUE(open.report.manifold());
+  EXPECT_EQ(open.report.border_loops, 1);
+  EXPECT_EQ(open.report.components, 1);
+  EXPECT_EQ(open.openings.left_open, 1);
+  EXPECT_EQ(open.report.self_intersecting_faces, 0);
+  EXPECT_TRUE(open.mesh.face_quality.empty());
+  EXPECT_LT(open.mesh.triangles.size(), closed.mesh.triangles.size());
+
+  EXPECT_EQ(run(Openings::automatic, 10.0).mesh.triangles, open.mesh.triangles);
+  EXPECT_EQ(run(Openings::automatic, 1000.0).mesh.triangles, closed.mesh.triangles);
+}
+
+TEST(SurfaceOpenings, ASheetHasOneSide) {
+  ReconstructionOptions options;
+  options.stop_at_parametric_surface = true;
+  options.complete_matching.openings = Openings::leave_open;
+  Progress silent;
+  const Reconstruction sheet = reconstruct(sample_strip(600, 1), options, silent);
+  EXPECT_TRUE(sheet.report.manifold());
+  EXPECT_EQ(sheet.report.components, 1);
+  EXPECT_EQ(sheet.report.border_loops, 1);
+  double front = 0.0, back = 0.0;  // areas
+  for (const Triangle& t : sheet.mesh.triangles) {
+    const auto& p = sheet.mesh.position;
+    const Vec3 area = 0.5 * (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]);
+    (area.z() > 0.0 ? front : back) += area.norm();
+  }
+  EXPECT_GT(front, 550.0);
+  EXPECT_LT(back, 0.03 * front) << "at the border";
+}
+
+}  // namespace
+}  // namespace shrinkwrap::testing
