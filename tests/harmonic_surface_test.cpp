@@ -22,25 +22,28 @@ bool holds(const std::vector<Index>& vertices, Index v) {
   return std::binary_search(vertices.begin(), vertices.end(), v);
 }
 
-// Sum over the edges of `patch` of cotangents (of the mesh as it was) x squared length.
-double membrane_energy(const SurfaceMesh& before, const SurfaceMesh& mesh,
-                       const std::vector<Index>& patch) {
+// The pull of its neighbours on a vertex, by cotangents of the mesh as it was, as a part of the sum
+// of what each pulls.
+double imbalance(const SurfaceMesh& before, const SurfaceMesh& mesh, Index v) {
   const auto cotangent = [&](Index h) {
     const Vec3& apex = before.position[before.opposite(h)];
     const Vec3 a = before.position[before.origin(h)] - apex;
     const Vec3 b = before.position[before.target(h)] - apex;
     return a.dot(b) / a.cross(b).norm();
   };
-  double energy = 0.0;
-  for (Index h = 0; h < mesh.halfedge_slots(); ++h)
-    if (holds(patch, mesh.origin(h)) || holds(patch, mesh.target(h)))
-      energy += 0.25 * (cotangent(h) + cotangent(mesh.twin(h))) *
-                (mesh.position[mesh.target(h)] - mesh.position[mesh.origin(h)]).squaredNorm();
-  return energy;
+  Vec3 sum = Vec3::Zero();
+  double all = 0.0;
+  mesh.for_each_outgoing(v, [&](Index h) {
+    const Vec3 pull = (cotangent(h) + cotangent(mesh.twin(h))) *
+                      (mesh.position[mesh.target(h)] - mesh.position[v]);
+    sum += pull;
+    all += pull.norm();
+  });
+  return sum.norm() / all;
 }
 
 TEST(HarmonicSurface, IsFlatWithinAFlatRim) {
-  for (const int subdivisions : {2, 5}) {
+  for (const int subdivisions : {2, 6}) {
     SurfaceMesh mesh = icosphere(subdivisions);
     const std::vector<Index> cap = vertices_above(mesh, 0.5);
     double radius = 0.0;
@@ -73,20 +76,20 @@ TEST(HarmonicSurface, IsFlatWithinAFlatRim) {
   }
 }
 
-TEST(HarmonicSurface, HasTheLeastEnergy) {
+TEST(HarmonicSurface, IsInBalance) {
+  // Where the membrane energy is least, whose second derivatives are the cotangents.
   SurfaceMesh mesh = icosphere(3);
   Random random(1);
-  for (Vec3& p : mesh.position) p = p.cwiseProduct(Vec3(1.0, 1.5, 0.7)) + 0.01 * random.in_cube();
+  for (Vec3& p : mesh.position) p = p.cwiseProduct(Vec3(1.0, 1.1, 0.95)) + 0.01 * random.in_cube();
   const SurfaceMesh before = mesh;
   const std::vector<Index> cap = vertices_above(mesh, 0.2);
   ASSERT_TRUE(make_harmonic(mesh, cap));
-  const double least = membrane_energy(before, mesh, cap);
-  EXPECT_LT(least, 0.9 * membrane_energy(before, before, cap));
-  for (int trial = 0; trial < 20; ++trial) {
-    SurfaceMesh other = mesh;
-    for (const Index v : cap) other.position[v] += 0.01 * random.in_cube();
-    EXPECT_GT(membrane_energy(before, other, cap), least);
+  double greatest_before = 0.0;
+  for (const Index v : cap) {
+    EXPECT_LT(imbalance(before, mesh, v), 1e-4);
+    greatest_before = std::max(greatest_before, imbalance(before, before, v));
   }
+  EXPECT_GT(greatest_before, 0.1);
 }
 
 TEST(HarmonicSurface, SeveralPatchesAtOnceAndOneByOne) {

@@ -150,6 +150,7 @@ TEST(IntersectionRepair, DoesWhatItCanOnAHopelessMesh) {
     const RepairReport report = repair(mesh, options);
     EXPECT_GT(report.after, 0);
     EXPECT_LT(report.after, report.before);
+    EXPECT_EQ(report.annealed, 0) << "nor what it could not";
     expect_honest(report, before, mesh, 1, 0);
   }
 }

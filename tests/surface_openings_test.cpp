@@ -182,13 +182,15 @@ TEST(SurfaceOpenings, ATubeDoesNotBecomeAThread) {
 }
 
 TEST(SurfaceOpenings, WithoutARimNothingIsStretched) {
-  // A body that no sample is on.
+  // A body that no sample is on, beside one with an opening.
   OpenScan scan(joined({icosphere(4), ball({4.0, 0.0, 0.0}, 0.5, 2)}),
-                [](const Vec3& p) { return p.x() > 2.0; });
-  ASSERT_EQ(scan.wide(), 1);
+                [](const Vec3& p) { return p.x() > 2.0 || p.z() > 0.5; });
+  ASSERT_EQ(scan.wide(), 2);
   const std::vector<Vec3> before = scan.surface.position;
   scan.stretch();
-  EXPECT_EQ(scan.surface.position, before);
+  EXPECT_TRUE(scan.membranes[0].is_stretched);
+  EXPECT_FALSE(scan.membranes[1].is_stretched);
+  for (const Index v : scan.membranes[1].vertices) EXPECT_EQ(scan.surface.position[v], before[v]);
 }
 
 TEST(SurfaceOpenings, CloseSpansThem) {
@@ -209,6 +211,16 @@ TEST(SurfaceOpenings, CloseSpansThem) {
   }
 }
 
+TEST(SurfaceOpenings, NarrowOnesAreNone) {
+  OpenScan scan = open_sphere(0.97);
+  ASSERT_FALSE(scan.membranes.empty());
+  for (const Openings openings : {Openings::close, Openings::leave_open, Openings::automatic}) {
+    const SurfaceOpenings decided = scan.decide(openings);
+    EXPECT_TRUE(decided.spanning_faces.empty());
+    EXPECT_EQ(decided.report.spanned + decided.report.left_open, 0);
+  }
+}
+
 TEST(SurfaceOpenings, LeaveOpenDropsThem) {
   OpenScan scan = open_sphere();
   scan.stretch();
@@ -218,6 +230,29 @@ TEST(SurfaceOpenings, LeaveOpenDropsThem) {
   EXPECT_EQ(open.report.stretched, 0);
   EXPECT_GE(open.opening_faces.size(), scan.membranes[0].vertices.size());
   EXPECT_EQ(open.spanning_faces, open.opening_faces);
+}
+
+TEST(SurfaceOpenings, TheirBordersAreSmoothed) {
+  OpenScan scan = open_sphere();
+  const std::vector<Vec3> before = scan.surface.position;
+  const std::vector<Index> dropped = scan.decide(Openings::leave_open).opening_faces;
+  const auto is_dropped = [&](Index h) {
+    return std::binary_search(dropped.begin(), dropped.end(), SurfaceMesh::face(h));
+  };
+  const SurfaceMesh& surface = scan.surface;
+  double length = 0.0, length_before = 0.0;
+  std::vector<char> is_on_border(before.size(), 0);
+  for (Index h = 0; h < surface.halfedge_slots(); ++h) {
+    if (!is_dropped(h) || is_dropped(surface.twin(h))) continue;
+    const Index a = surface.origin(h), b = surface.target(h);
+    length += (surface.position[b] - surface.position[a]).norm();
+    length_before += (before[b] - before[a]).norm();
+    is_on_border[a] = 1;
+  }
+  EXPECT_LT(length, 0.95 * length_before);
+  EXPECT_GT(length, 0.8 * length_before);
+  for (Index v = 0; v < surface.vertex_slots(); ++v)
+    EXPECT_EQ(surface.position[v] != before[v], is_on_border[v] != 0);
 }
 
 TEST(SurfaceOpenings, AutomaticDecidesByTheirWidth) {
@@ -238,7 +273,8 @@ TEST(SurfaceOpenings, AutomaticDecidesByTheirWidth) {
 TEST(SurfaceOpenings, ARunThatStopsClosesOrLeavesThem) {
   SampleDefects defects;
   defects.noise = 0.3;
-  const std::vector<Vec3> points = sample_shape(ShapeKind::hemisphere, 4000, 1, defects);
+  std::vector<Vec3> points = sample_shape(ShapeKind::hemisphere, 4000, 1, defects);
+  for (Vec3& p : points) p = rounded_to_single(p);
   const auto run = [&](Openings openings, double widest = 30.0) {
     ReconstructionOptions options;
     options.stop_at_parametric_surface = true;
@@ -274,6 +310,7 @@ TEST(SurfaceOpenings, ARunThatStopsClosesOrLeavesThem) {
   EXPECT_EQ(open.openings.left_open, 1);
   EXPECT_EQ(open.report.self_intersecting_faces, 0);
   EXPECT_TRUE(open.mesh.face_quality.empty());
+  for (const Vec3& p : open.mesh.position) EXPECT_EQ(p, rounded_to_single(p));
   EXPECT_LT(open.mesh.triangles.size(), closed.mesh.triangles.size());
 
   EXPECT_EQ(run(Openings::automatic, 10.0).mesh.triangles, open.mesh.triangles);

@@ -18,7 +18,7 @@ constexpr std::size_t kAggregate = 64;  // vertices
 // Weights of edges: triangles of no area have neither.
 constexpr double kLeastWeight = 1e-2, kGreatestWeight = 1e2;
 constexpr double kTolerance = 1e-6;
-constexpr int kMostIterations = 1000;
+constexpr int kMostIterations = 300;
 
 // For conjugate gradients: the diagonal, for what changes from vertex to vertex, and a coarse
 // system with one unknown for each aggregate of vertices, for what changes slowly. The number of

@@ -30,6 +30,7 @@ constexpr std::int64_t kTrialsOfRelocation = 50;
 constexpr std::int64_t kMovesPerTrial = 20, kLeastMoves = 20000, kMovesPerFace = 2;
 constexpr std::int64_t kTestsPerMove = 30;
 constexpr std::size_t kLargestPatch = 500;
+constexpr double kMostMeeting = 0.2;  // of all faces: if more meet others, all of it is a heap
 constexpr Index kPollInterval = 8;
 
 // What is tried in turn, the next where the one before is of no avail.
@@ -195,6 +196,7 @@ std::vector<std::vector<Index>> Repair::clusters_of(const std::vector<Index>& fa
 void Repair::anneal_near(const std::vector<Index>& faces, int rings, double done) {
   if (faces_before_annealing_ == kNone)
     faces_before_annealing_ = static_cast<Index>(meetings_.faces().size());
+  if (faces_before_annealing_ > kMostMeeting * mesh_.face_count()) return;
   std::vector<std::vector<Index>> clusters = clusters_of(faces);
   std::stable_sort(clusters.begin(), clusters.end(),
                    [](const auto& a, const auto& b) { return a.size() < b.size(); });
