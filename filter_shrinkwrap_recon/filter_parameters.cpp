@@ -297,7 +297,7 @@ std::vector<Parameter> reconstruct_parameters() {
   std::vector<Parameter> list = {
       method(),
       boolean(kStopAtSurface, "Stop at the parametric surface", false,
-              "Return the smooth closed surface near the samples in place of the mesh through "
+              "Return the smooth surface near the samples in place of the mesh through "
               "every sample. The better "
               "choice when the points are noisy (more than about a quarter of their spacing)."),
       openings(),

@@ -200,7 +200,8 @@ FilterOutcome run_parametric_surface(const FilterRequest& request, const FilterI
   if (relaxation.faces_before > 0) outcome.log.push_back(relaxation_line(relaxation));
   warn_of_intersections(relaxation.faces_after, outcome.warnings);
   outcome.marked_faces = std::move(relaxation.remaining_faces);
-  if (fitted.openings.spanned > 0) outcome.log.push_back(openings_line(fitted.openings));
+  if (fitted.openings.spanned + fitted.openings.left_open > 0)
+    outcome.log.push_back(openings_line(fitted.openings));
   outcome.log.push_back("distance of the vertices from the samples' surface: mean " +
                         formatted("%.3f", surface.report.mean_distance) + ", greatest " +
                         formatted("%.3f", surface.report.max_distance) + " spacings");

@@ -43,6 +43,7 @@ double imbalance(const SurfaceMesh& before, const SurfaceMesh& mesh, Index v) {
 }
 
 TEST(HarmonicSurface, IsFlatWithinAFlatRim) {
+  Progress silent;
   for (const int subdivisions : {2, 6}) {
     SurfaceMesh mesh = icosphere(subdivisions);
     const std::vector<Index> cap = vertices_above(mesh, 0.5);
@@ -56,7 +57,7 @@ TEST(HarmonicSurface, IsFlatWithinAFlatRim) {
       radius = std::max(radius, p.norm());
     }
     const SurfaceMesh before = mesh;
-    ASSERT_TRUE(make_harmonic(mesh, cap));
+    ASSERT_TRUE(make_harmonic(mesh, cap, silent));
     double nearest_to_axis = 1.0;
     for (Index v = 0; v < mesh.vertex_slots(); ++v) {
       const Vec3& p = mesh.position[v];
@@ -77,13 +78,14 @@ TEST(HarmonicSurface, IsFlatWithinAFlatRim) {
 }
 
 TEST(HarmonicSurface, IsInBalance) {
+  Progress silent;
   // Where the membrane energy is least, whose second derivatives are the cotangents.
   SurfaceMesh mesh = icosphere(3);
   Random random(1);
   for (Vec3& p : mesh.position) p = p.cwiseProduct(Vec3(1.0, 1.1, 0.95)) + 0.01 * random.in_cube();
   const SurfaceMesh before = mesh;
   const std::vector<Index> cap = vertices_above(mesh, 0.2);
-  ASSERT_TRUE(make_harmonic(mesh, cap));
+  ASSERT_TRUE(make_harmonic(mesh, cap, silent));
   double greatest_before = 0.0;
   for (const Index v : cap) {
     EXPECT_LT(imbalance(before, mesh, v), 1e-4);
@@ -93,6 +95,7 @@ TEST(HarmonicSurface, IsInBalance) {
 }
 
 TEST(HarmonicSurface, SeveralPatchesAtOnceAndOneByOne) {
+  Progress silent;
   const SurfaceMesh sphere = icosphere(3);
   const std::vector<Index> top = vertices_above(sphere, 0.7);
   std::vector<Index> bottom, both;
@@ -100,26 +103,49 @@ TEST(HarmonicSurface, SeveralPatchesAtOnceAndOneByOne) {
     if (sphere.position[v].z() < -0.8) bottom.push_back(v);
   std::set_union(top.begin(), top.end(), bottom.begin(), bottom.end(), std::back_inserter(both));
   SurfaceMesh at_once = sphere, one_by_one = sphere;
-  ASSERT_TRUE(make_harmonic(at_once, both));
-  ASSERT_TRUE(make_harmonic(one_by_one, top) && make_harmonic(one_by_one, bottom));
+  ASSERT_TRUE(make_harmonic(at_once, both, silent));
+  ASSERT_TRUE(make_harmonic(one_by_one, top, silent) && make_harmonic(one_by_one, bottom, silent));
   for (Index v = 0; v < sphere.vertex_slots(); ++v)
     EXPECT_LT((at_once.position[v] - one_by_one.position[v]).norm(), 1e-4);
 }
 
 TEST(HarmonicSurface, FacesOfNoAreaDoNoHarm) {
+  Progress silent;
   SurfaceMesh mesh = icosphere(3);
   const std::vector<Index> cap = vertices_above(mesh, 0.5);
   for (std::size_t i = 0; i < cap.size(); i += 2) mesh.position[cap[i]] = Vec3(0.0, 0.0, 0.9);
-  ASSERT_TRUE(make_harmonic(mesh, cap));
+  ASSERT_TRUE(make_harmonic(mesh, cap, silent));
   for (const Index v : cap) {
     EXPECT_TRUE(mesh.position[v].allFinite());
     EXPECT_LT(mesh.position[v].norm(), 1.0);
   }
 }
 
+TEST(HarmonicSurface, WhatIsFlatStays) {
+  // In a plane through the origin two coordinates have next to nothing to go.
+  Progress silent;
+  SurfaceMesh mesh = icosphere(3);
+  const std::vector<Index> cap = vertices_above(mesh, 0.3);
+  for (Vec3& p : mesh.position) p = Vec3(1e-17 * p.z(), p.x(), p.y());
+  ASSERT_TRUE(make_harmonic(mesh, cap, silent));
+  for (const Index v : cap) {
+    EXPECT_LT(std::abs(mesh.position[v].x()), 1e-16);
+    EXPECT_LT(mesh.position[v].norm(), 1.0);
+  }
+}
+
+TEST(HarmonicSurface, CanBeCancelled) {
+  SurfaceMesh mesh = icosphere(3);
+  Progress refused([](double, const char*) { return false; }, {Stage::parametric_surface});
+  EXPECT_THROW(refused.begin(Stage::parametric_surface), Cancelled);
+  EXPECT_THROW(make_harmonic(mesh, vertices_above(mesh, 0.5), refused), Cancelled);
+  EXPECT_EQ(mesh.position, icosphere(3).position);
+}
+
 TEST(HarmonicSurface, NothingToMove) {
+  Progress silent;
   SurfaceMesh mesh = icosphere(1);
-  EXPECT_TRUE(make_harmonic(mesh, {}));
+  EXPECT_TRUE(make_harmonic(mesh, {}, silent));
   EXPECT_EQ(mesh.position, icosphere(1).position);
 }
 

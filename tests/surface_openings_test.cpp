@@ -9,6 +9,7 @@
 
 #include "expect_mesh.h"
 #include "meeting_pairs.h"
+#include "one_ring.h"
 #include "oriented_cloud.h"
 #include "parametric_surface.h"
 #include "reconstruct.h"
@@ -30,21 +31,20 @@ struct OpenScan {
     for (Vec3& p : surface.position) p = cloud.frame.to_unit(p);
     find();
   }
-  void find() {
-    membranes = find_surface_membranes(surface, mark_membranes(surface, cloud, {}, silent), cloud,
-                                       {}, silent);
+  // As the options say.
+  SurfaceOpenings cut(Openings openings, double widest = 30.0) {
+    find(openings, widest);
+    return cut_surface_openings(surface, membranes, silent);
   }
-  void stretch() { stretch_membranes(surface, membranes, silent); }
-  SurfaceOpenings decide(Openings openings, double widest = 30.0) {
+  void find(Openings openings = Openings::close, double widest = 30.0) {
     CompleteMatchingOptions options;
     options.openings = openings;
     options.widest_opening = widest;
-    return decide_surface_openings(surface, membranes, cloud, options, silent);
+    membranes = find_surface_membranes(surface, mark_membranes(surface, cloud, {}, silent), cloud,
+                                       options, silent);
   }
-  Index wide() const {
-    return static_cast<Index>(
-        std::count_if(membranes.begin(), membranes.end(), [](const auto& m) { return m.is_wide; }));
-  }
+  void stretch() { stretch_membranes(surface, membranes, silent); }
+  Index openings() const { return static_cast<Index>(membranes.size()); }
   Vec3 at(Index v) const { return cloud.frame.to_input(surface.position[v]); }
 
   Progress silent;
@@ -92,7 +92,7 @@ TEST(SurfaceOpenings, NoneInAWholeScan) {
 TEST(SurfaceOpenings, FoundWhereNoSampleIs) {
   const OpenScan scan = open_sphere();
   ASSERT_EQ(scan.membranes.size(), 1u);
-  EXPECT_TRUE(scan.membranes[0].is_wide);
+  EXPECT_TRUE(scan.membranes[0].is_far);
   const std::vector<Index>& vertices = scan.membranes[0].vertices;
   EXPECT_TRUE(std::is_sorted(vertices.begin(), vertices.end()));
   const double spacing = scan.cloud.frame.to_input_length(scan.cloud.spacing);
@@ -102,7 +102,7 @@ TEST(SurfaceOpenings, FoundWhereNoSampleIs) {
     EXPECT_TRUE(is_in || z < 0.5 + 2.0 * spacing);
     EXPECT_FALSE(is_in && z < 0.5 - spacing);
   }
-  EXPECT_EQ(open_sphere(0.97).wide(), 0) << "a hole a few spacings across";
+  EXPECT_EQ(open_sphere(0.97).openings(), 0) << "a hole a few spacings across";
 }
 
 TEST(SurfaceOpenings, AVoteStraightensTheOutline) {
@@ -156,13 +156,13 @@ TEST(SurfaceOpenings, AMembraneGoesBackFromWhatItWouldMeet) {
     return top;
   };
   OpenScan once = beside({0.5}), never = beside({0.5, 0.75, 0.88});
-  ASSERT_EQ(once.wide(), 1);
+  ASSERT_EQ(once.openings(), 1);
   once.stretch();
   EXPECT_TRUE(once.membranes[0].is_stretched);
   EXPECT_NEAR(top_of(once), 0.75, 0.03);
   EXPECT_EQ(count_pairs(once.surface), 0);
 
-  ASSERT_EQ(never.wide(), 1);
+  ASSERT_EQ(never.openings(), 1);
   const std::vector<Vec3> before = never.surface.position;
   never.stretch();
   EXPECT_FALSE(never.membranes[0].is_stretched);
@@ -171,8 +171,8 @@ TEST(SurfaceOpenings, AMembraneGoesBackFromWhatItWouldMeet) {
 
 TEST(SurfaceOpenings, ATubeDoesNotBecomeAThread) {
   OpenScan narrow = open_torus(0.5), wide = open_torus(1.8);
-  ASSERT_EQ(narrow.wide(), 1);
-  ASSERT_EQ(wide.wide(), 1);
+  ASSERT_EQ(narrow.openings(), 1);
+  ASSERT_EQ(wide.openings(), 1);
   narrow.stretch();
   EXPECT_TRUE(narrow.membranes[0].is_stretched);
   const std::vector<Vec3> before = wide.surface.position;
@@ -185,7 +185,7 @@ TEST(SurfaceOpenings, WithoutARimNothingIsStretched) {
   // A body that no sample is on, beside one with an opening.
   OpenScan scan(joined({icosphere(4), ball({4.0, 0.0, 0.0}, 0.5, 2)}),
                 [](const Vec3& p) { return p.x() > 2.0 || p.z() > 0.5; });
-  ASSERT_EQ(scan.wide(), 2);
+  ASSERT_EQ(scan.openings(), 2);
   const std::vector<Vec3> before = scan.surface.position;
   scan.stretch();
   EXPECT_TRUE(scan.membranes[0].is_stretched);
@@ -196,46 +196,39 @@ TEST(SurfaceOpenings, WithoutARimNothingIsStretched) {
 TEST(SurfaceOpenings, CloseSpansThem) {
   OpenScan scan = open_sphere();
   scan.stretch();
-  const SurfaceOpenings closed = scan.decide(Openings::close);
+  const SurfaceOpenings closed = cut_surface_openings(scan.surface, scan.membranes, scan.silent);
   EXPECT_TRUE(closed.opening_faces.empty());
   EXPECT_EQ(closed.report.spanned, 1);
   EXPECT_EQ(closed.report.stretched, 1);
   EXPECT_EQ(closed.report.left_open, 0);
-  const std::vector<Index>& vertices = scan.membranes[0].vertices;
-  for (Index f = 0; f < scan.surface.face_slots(); ++f) {
-    const Triangle t = scan.surface.triangle(f);
-    EXPECT_EQ(std::binary_search(closed.spanning_faces.begin(), closed.spanning_faces.end(), f),
-              std::any_of(t.begin(), t.end(), [&](Index v) {
-                return std::binary_search(vertices.begin(), vertices.end(), v);
-              }));
-  }
+  EXPECT_EQ(closed.spanning_faces, faces_around(scan.surface, scan.membranes[0].vertices));
+}
+
+TEST(SurfaceOpenings, LeaveOpenDropsThem) {
+  OpenScan scan = open_sphere();
+  const SurfaceOpenings open = scan.cut(Openings::leave_open);
+  EXPECT_EQ(open.report.left_open, 1);
+  EXPECT_EQ(open.report.spanned, 0);
+  EXPECT_GE(open.opening_faces.size(), scan.membranes[0].vertices.size());
+  EXPECT_EQ(open.spanning_faces, open.opening_faces);
+  const std::vector<Vec3> before = scan.surface.position;
+  scan.stretch();
+  EXPECT_EQ(scan.surface.position, before) << "what is dropped need not be flat";
 }
 
 TEST(SurfaceOpenings, NarrowOnesAreNone) {
-  OpenScan scan = open_sphere(0.97);
-  ASSERT_FALSE(scan.membranes.empty());
   for (const Openings openings : {Openings::close, Openings::leave_open, Openings::automatic}) {
-    const SurfaceOpenings decided = scan.decide(openings);
+    OpenScan scan = open_sphere(0.97);
+    const SurfaceOpenings decided = scan.cut(openings, 1.0);
     EXPECT_TRUE(decided.spanning_faces.empty());
     EXPECT_EQ(decided.report.spanned + decided.report.left_open, 0);
   }
 }
 
-TEST(SurfaceOpenings, LeaveOpenDropsThem) {
-  OpenScan scan = open_sphere();
-  scan.stretch();
-  const SurfaceOpenings open = scan.decide(Openings::leave_open);
-  EXPECT_EQ(open.report.left_open, 1);
-  EXPECT_EQ(open.report.spanned, 0);
-  EXPECT_EQ(open.report.stretched, 0);
-  EXPECT_GE(open.opening_faces.size(), scan.membranes[0].vertices.size());
-  EXPECT_EQ(open.spanning_faces, open.opening_faces);
-}
-
 TEST(SurfaceOpenings, TheirBordersAreSmoothed) {
   OpenScan scan = open_sphere();
   const std::vector<Vec3> before = scan.surface.position;
-  const std::vector<Index> dropped = scan.decide(Openings::leave_open).opening_faces;
+  const std::vector<Index> dropped = scan.cut(Openings::leave_open).opening_faces;
   const auto is_dropped = [&](Index h) {
     return std::binary_search(dropped.begin(), dropped.end(), SurfaceMesh::face(h));
   };
@@ -256,18 +249,68 @@ TEST(SurfaceOpenings, TheirBordersAreSmoothed) {
 }
 
 TEST(SurfaceOpenings, AutomaticDecidesByTheirWidth) {
-  // One of radius 0.87, one of 0.44: some 25 and 13 spacings across.
-  OpenScan scan(icosphere(4), [](const Vec3& p) { return p.z() > 0.5 || p.z() < -0.9; });
-  ASSERT_EQ(scan.wide(), 2);
-  const SurfaceOpenings all = scan.decide(Openings::automatic, 100.0);
-  EXPECT_EQ(all.report.spanned, 2);
-  const SurfaceOpenings one = scan.decide(Openings::automatic, 18.0);
+  // One of radius 0.87, one of 0.44: some 30 and 13 spacings across, bulging.
+  const auto scan = [] {
+    return OpenScan(icosphere(4), [](const Vec3& p) { return p.z() > 0.5 || p.z() < -0.9; });
+  };
+  OpenScan close_both = scan(), close_one = scan(), close_none = scan();
+  EXPECT_EQ(close_both.cut(Openings::automatic, 100.0).report.spanned, 2);
+  ASSERT_EQ(close_both.openings(), 2);
+  for (const SurfaceMembrane& membrane : close_both.membranes) {
+    const bool is_top = close_both.at(membrane.vertices[0]).z() > 0.0;
+    EXPECT_NEAR(membrane.width, is_top ? 31.0 : 13.0, 3.0);
+  }
+  const SurfaceOpenings one = close_one.cut(Openings::automatic, 20.0);
   EXPECT_EQ(one.report.spanned, 1);
   EXPECT_EQ(one.report.left_open, 1);
   for (const Index f : one.opening_faces)
-    EXPECT_GT(scan.at(scan.surface.triangle(f)[0]).z(), 0.0) << "the wide one";
+    EXPECT_GT(close_one.at(close_one.surface.triangle(f)[0]).z(), 0.0) << "the wide one";
   EXPECT_GT(one.spanning_faces.size(), one.opening_faces.size());
-  EXPECT_EQ(scan.decide(Openings::automatic, 9.0).report.left_open, 2);
+  EXPECT_EQ(close_none.cut(Openings::automatic, 9.0).report.left_open, 2);
+}
+
+TEST(SurfaceOpenings, WidthIsAlongTheSurface) {
+  // No sample near a base is on its side: a cup without one is no wider for that.
+  const OpenScan cup(icosphere(4), [](const Vec3& p) { return p.z() > 0.0; });
+  ASSERT_EQ(cup.openings(), 1);
+  const double spacing = cup.cloud.frame.to_input_length(cup.cloud.spacing);
+  EXPECT_NEAR(cup.membranes[0].width, kPi / spacing, 0.1 * kPi / spacing);
+}
+
+TEST(SurfaceOpenings, FacesThatMeetAnywayAreNoReasonToGoBack) {
+  // A fold of the fit, beside the rim.
+  OpenScan scan = open_sphere();
+  const std::vector<Index>& vertices = scan.membranes[0].vertices;
+  Index v = vertices[0];
+  scan.surface.for_each_outgoing(v, [&](Index h) {
+    const Index u = scan.surface.target(h);
+    if (!std::binary_search(vertices.begin(), vertices.end(), u)) v = u;
+  });
+  Index beyond = v;
+  scan.surface.for_each_outgoing(v, [&](Index h) {
+    const Index u = scan.surface.target(h);
+    if (scan.at(u).z() < scan.at(beyond).z()) beyond = u;
+  });
+  Vec3& p = scan.surface.position[beyond];
+  p += 3.0 * (scan.surface.position[v] - p);  // over its neighbour
+  ASSERT_GT(count_pairs(scan.surface), 0);
+  SurfaceMesh flat = scan.surface;
+  scan.stretch();
+  EXPECT_TRUE(scan.membranes[0].is_stretched);
+  for (const Index u : vertices) EXPECT_LT(scan.at(u).z(), 0.65);
+}
+
+TEST(SurfaceOpenings, NoneOfSoFewSamplesThatTheyTellNoSide) {
+  ReconstructionOptions options;
+  options.stop_at_parametric_surface = true;
+  options.complete_matching.openings = Openings::leave_open;
+  Progress silent;
+  for (const Index count : {4, 6, 12}) {
+    SCOPED_TRACE(count);
+    const Reconstruction result =
+        reconstruct(sample_shape(ShapeKind::sphere, count, 1), options, silent);
+    EXPECT_TRUE(result.report.closed() && result.report.manifold());
+  }
 }
 
 TEST(SurfaceOpenings, ARunThatStopsClosesOrLeavesThem) {
@@ -312,6 +355,9 @@ TEST(SurfaceOpenings, ARunThatStopsClosesOrLeavesThem) {
   EXPECT_TRUE(open.mesh.face_quality.empty());
   for (const Vec3& p : open.mesh.position) EXPECT_EQ(p, rounded_to_single(p));
   EXPECT_LT(open.mesh.triangles.size(), closed.mesh.triangles.size());
+
+  EXPECT_EQ(static_cast<std::size_t>(open.stages[open.stages.size() - 2].vertices),
+            open.mesh.position.size());
 
   EXPECT_EQ(run(Openings::automatic, 10.0).mesh.triangles, open.mesh.triangles);
   EXPECT_EQ(run(Openings::automatic, 1000.0).mesh.triangles, closed.mesh.triangles);

@@ -17,7 +17,7 @@ using Entries = std::vector<Eigen::Triplet<double>>;
 constexpr std::size_t kAggregate = 64;  // vertices
 // Weights of edges: triangles of no area have neither.
 constexpr double kLeastWeight = 1e-2, kGreatestWeight = 1e2;
-constexpr double kTolerance = 1e-6;
+constexpr double kTolerance = 1e-5;  // of the residual, x what it is at first
 constexpr int kMostIterations = 300;
 
 // For conjugate gradients: the diagonal, for what changes from vertex to vertex, and a coarse
@@ -33,7 +33,9 @@ class TwoLevelPreconditioner {
   TwoLevelPreconditioner& compute(const M&) {
     return *this;
   }
-  void prepare(const Matrix& matrix, std::vector<Index> aggregate_of, Index count) {
+  void prepare(const Matrix& matrix, std::vector<Index> aggregate_of, Index count,
+               Progress& progress) {
+    progress_ = &progress;
     aggregate_of_ = std::move(aggregate_of);
     inverse_diagonal_ = matrix.diagonal().cwiseInverse();
     Entries entries;
@@ -48,6 +50,7 @@ class TwoLevelPreconditioner {
   Eigen::ComputationInfo info() const { return coarse_.info(); }
 
   Eigen::VectorXd solve(const Eigen::VectorXd& residual) const {
+    progress_->update(0.5);
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(coarse_.rows());
     for (Eigen::Index i = 0; i < residual.size(); ++i) sum[aggregate_of_[i]] += residual[i];
     const Eigen::VectorXd coarse = coarse_.solve(sum);
@@ -60,6 +63,7 @@ class TwoLevelPreconditioner {
   std::vector<Index> aggregate_of_;  // per unknown
   Eigen::VectorXd inverse_diagonal_;
   Eigen::SimplicialLDLT<Matrix> coarse_;
+  Progress* progress_ = nullptr;
 };
 
 class HarmonicSystem {
@@ -69,25 +73,24 @@ class HarmonicSystem {
     for (std::size_t i = 0; i < vertices.size(); ++i) place_[vertices[i]] = static_cast<Index>(i);
   }
 
-  bool solve(Eigen::MatrixX3d& positions) {
+  // How far each vertex has to go. Every iteration lowers the energy, so that what is not solved to
+  // the end is no failure.
+  bool solve(Eigen::MatrixX3d& way, Progress& progress) const {
     const Eigen::Index size = static_cast<Eigen::Index>(vertices_.size());
     Matrix matrix(size, size);
-    Eigen::MatrixX3d right(size, 3), start(size, 3);
-    assemble(matrix, right, start);
-    Eigen::ConjugateGradient<Matrix, Eigen::Lower | Eigen::Upper, TwoLevelPreconditioner> solver;
+    Eigen::MatrixX3d residual(size, 3);
+    assemble(matrix, residual);
     Index count = 0;
     std::vector<Index> aggregate_of = make_aggregates(count);
-    solver.preconditioner().prepare(matrix, std::move(aggregate_of), count);
+    Eigen::ConjugateGradient<Matrix, Eigen::Lower | Eigen::Upper, TwoLevelPreconditioner> solver;
+    solver.preconditioner().prepare(matrix, std::move(aggregate_of), count, progress);
+    if (solver.preconditioner().info() != Eigen::Success) return false;
     solver.setTolerance(kTolerance);
     solver.setMaxIterations(kMostIterations);
     solver.compute(matrix);
-    if (solver.preconditioner().info() != Eigen::Success) return false;
-    positions.resize(size, 3);
-    for (int k = 0; k < 3; ++k) {
-      positions.col(k) = solver.solveWithGuess(right.col(k), start.col(k));
-      if (solver.info() != Eigen::Success) return false;
-    }
-    return positions.allFinite();
+    way.resize(size, 3);
+    for (int k = 0; k < 3; ++k) way.col(k) = solver.solve(residual.col(k));
+    return way.allFinite();
   }
 
  private:
@@ -99,25 +102,22 @@ class HarmonicSystem {
     return area > 0.0 ? a.dot(b) / area : 0.0;
   }
 
-  void assemble(Matrix& matrix, Eigen::MatrixX3d& right, Eigen::MatrixX3d& start) const {
+  void assemble(Matrix& matrix, Eigen::MatrixX3d& residual) const {
     Entries entries;
     entries.reserve(7 * vertices_.size());
-    right.setZero();
+    residual.setZero();
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
       const Index v = vertices_[i], row = static_cast<Index>(i);
       double sum = 0.0;
       mesh_.for_each_outgoing(v, [&](Index h) {
+        const Index u = mesh_.target(h);
         const double weight = std::clamp(0.5 * (cotangent(h) + cotangent(mesh_.twin(h))),
                                          kLeastWeight, kGreatestWeight);
         sum += weight;
-        const Index column = place_[mesh_.target(h)];
-        if (column == kNone)
-          right.row(row) += weight * mesh_.position[mesh_.target(h)].transpose();
-        else
-          entries.emplace_back(row, column, -weight);
+        residual.row(row) += weight * (mesh_.position[u] - mesh_.position[v]).transpose();
+        if (place_[u] != kNone) entries.emplace_back(row, place_[u], -weight);
       });
       entries.emplace_back(row, row, sum);
-      start.row(row) = mesh_.position[v];
     }
     matrix.setFromTriplets(entries.begin(), entries.end());
   }
@@ -150,12 +150,12 @@ class HarmonicSystem {
 
 }  // namespace
 
-bool make_harmonic(SurfaceMesh& mesh, const std::vector<Index>& vertices) {
+bool make_harmonic(SurfaceMesh& mesh, const std::vector<Index>& vertices, Progress& progress) {
   if (vertices.empty()) return true;
-  Eigen::MatrixX3d positions;
-  if (!HarmonicSystem(mesh, vertices).solve(positions)) return false;
+  Eigen::MatrixX3d way;
+  if (!HarmonicSystem(mesh, vertices).solve(way, progress)) return false;
   for (std::size_t i = 0; i < vertices.size(); ++i)
-    mesh.position[vertices[i]] = positions.row(static_cast<Eigen::Index>(i)).transpose();
+    mesh.position[vertices[i]] += way.row(static_cast<Eigen::Index>(i)).transpose();
   return true;
 }
 

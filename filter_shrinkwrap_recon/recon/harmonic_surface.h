@@ -1,8 +1,9 @@
-// Patches of a mesh stretched like a membrane: harmonic between what surrounds them.
+// Fairing: patches of a mesh stretched like a membrane, harmonic between what surrounds them.
 #pragma once
 
 #include <vector>
 
+#include "progress.h"
 #include "surface_mesh.h"
 
 namespace shrinkwrap {
@@ -14,8 +15,8 @@ namespace shrinkwrap {
 /// does it leave the convex hull of its rim.
 ///
 /// `vertices`: ascending; each piece of them that hangs together has a neighbour that stays.
-/// Returns false, and leaves the mesh as it was, if the system cannot be solved. Near-linear.
-/// Deterministic.
-bool make_harmonic(SurfaceMesh& mesh, const std::vector<Index>& vertices);
+/// Returns false, and leaves the mesh as it was, if the system cannot be solved. Near-linear: the
+/// number of iterations hardly depends on that of the vertices. Deterministic. Throws Cancelled.
+bool make_harmonic(SurfaceMesh& mesh, const std::vector<Index>& vertices, Progress& progress);
 
 }  // namespace shrinkwrap

@@ -18,22 +18,6 @@ namespace {
 
 constexpr Index kGrain = 1 << 8;
 
-std::vector<Index> vertices_of(const SurfaceMesh& mesh, const std::vector<Index>& faces) {
-  std::vector<Index> vertices;
-  for (const Index f : faces)
-    for (const Index v : mesh.triangle(f)) vertices.push_back(v);
-  sort_unique(vertices);
-  return vertices;
-}
-
-std::vector<Index> faces_around(const SurfaceMesh& mesh, const std::vector<Index>& vertices) {
-  std::vector<Index> faces;
-  for (const Index v : vertices)
-    mesh.for_each_outgoing(v, [&](Index h) { faces.push_back(SurfaceMesh::face(h)); });
-  sort_unique(faces);
-  return faces;
-}
-
 // The faces that meet one of those given, and these of which that is true; ascending. Near-linear
 // in heaps too: a pair of which both are known is not tested. Which faces are found does not depend
 // on who comes first.
@@ -81,10 +65,10 @@ class Relaxation {
 
   // Smooths these faces and some rings around them; returns the faces that have changed, ascending.
   std::vector<Index> smooth_around(const std::vector<Index>& faces, int rings) {
-    std::vector<Index> region = vertices_of(mesh_, faces);
+    std::vector<Index> region = corners_of(mesh_, faces);
     for (int ring = 0; ring < rings; ++ring) {
       progress_.update(0.0);
-      region = vertices_of(mesh_, faces_around(mesh_, region));
+      region = corners_of(mesh_, faces_around(mesh_, region));
     }
     leave_out_whole_bodies(region);
     for (const Index v : region)

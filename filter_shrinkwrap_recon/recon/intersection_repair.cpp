@@ -7,6 +7,7 @@
 #include "face_meetings.h"
 #include "hinge_flips.h"
 #include "intersection_annealing.h"
+#include "one_ring.h"
 #include "sample_relocation.h"
 #include "sort_unique.h"
 
@@ -90,7 +91,6 @@ class Repair {
   }
 
   void try_near(const Attempt& attempt, const std::vector<Index>& faces, double done);
-  std::vector<Index> vertices_of(const std::vector<Index>& faces) const;
   std::vector<Index> faces_near(std::vector<Index> faces, int rings) const;
   std::vector<Index> edges_of(const std::vector<Index>& faces) const;
   std::vector<Index> affected_faces() const;
@@ -228,24 +228,9 @@ void Repair::unfold(const std::vector<Index>& faces) {
   }
 }
 
-// The corners of these faces, ascending.
-std::vector<Index> Repair::vertices_of(const std::vector<Index>& faces) const {
-  std::vector<Index> vertices;
-  for (Index f : faces)
-    for (Index v : mesh_.triangle(f)) vertices.push_back(v);
-  sort_unique(vertices);
-  return vertices;
-}
-
 // These faces and the rings of faces around them, ascending.
 std::vector<Index> Repair::faces_near(std::vector<Index> faces, int rings) const {
-  for (int ring = 0; ring < rings; ++ring) {
-    const std::vector<Index> vertices = vertices_of(faces);
-    faces.clear();
-    for (Index v : vertices)
-      mesh_.for_each_outgoing(v, [&](Index h) { faces.push_back(SurfaceMesh::face(h)); });
-    sort_unique(faces);
-  }
+  for (int ring = 0; ring < rings; ++ring) faces = faces_around(mesh_, corners_of(mesh_, faces));
   return faces;
 }
 
@@ -279,7 +264,7 @@ void Repair::try_near(const Attempt& attempt, const std::vector<Index>& faces, d
   }
   const bool relocates = attempt.move == Move::relocation;
   const std::vector<Index> items =
-      relocates ? vertices_of(faces) : edges_of(faces_near(faces, attempt.reach > 1 ? 1 : 0));
+      relocates ? corners_of(mesh_, faces) : edges_of(faces_near(faces, attempt.reach > 1 ? 1 : 0));
   for (std::size_t i = 0; i < items.size() && has_time(); ++i) {
     if (i % kPollInterval == 0) progress_.update(done);
     if (relocates)

@@ -34,7 +34,7 @@ struct RepairReport {
   Index after = 0;
   Index faces_before = 0;  ///< that meet others: exact however many pairs are known
   Index faces_after = 0;
-  Index faces_before_annealing = 0;    ///< those that were left then
+  Index faces_before_annealing = 0;    ///< those that flips and relocations left
   std::vector<Index> remaining_faces;  ///< those that are left, ascending
   Index flips = 0;
   Index relocated = 0;  ///< samples

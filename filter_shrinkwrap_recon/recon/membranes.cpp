@@ -43,8 +43,7 @@ Distances measure(const SurfaceMesh& surface, const SampleFeet& feet, const Poin
       h = surface.rotate(h);
     } while (h != first);
     const VoxelSearch::Hit nearest = cloud.search.nearest(p);
-    const double spacing =
-        std::max(cloud.spacing, static_cast<double>(cloud.local_spacing[nearest.index]));
+    const double spacing = cloud.spacing_at(nearest.index);
     const auto in_spacings = [&](const VoxelSearch::Hit& hit) {
       const double distance = std::sqrt(hit.squared_distance) / spacing;
       return distance > low ? static_cast<float>(distance) : 0.0f;

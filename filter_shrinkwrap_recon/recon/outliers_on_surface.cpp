@@ -72,8 +72,7 @@ Index keep_outliers_on_surface(PointCloud& cloud, OutlierReport& report,
       const Vec3 p = cloud.frame.to_unit(points[outliers[n]]);
       const VoxelSearch::Hit nearest = cloud.search.nearest(p);
       const double gap = std::sqrt(nearest.squared_distance);
-      const double spacing =
-          std::max(cloud.spacing, static_cast<double>(cloud.local_spacing[nearest.index]));
+      const double spacing = cloud.spacing_at(nearest.index);
       if (gap > options.widest_gap * spacing) continue;
       const Index face = tree.nearest(p, std::pow(options.foot * gap, 2), kNone, any, anchor).face;
       if (face == kNone) continue;

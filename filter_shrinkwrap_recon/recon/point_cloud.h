@@ -2,6 +2,7 @@
 // normals.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "progress.h"
@@ -43,7 +44,11 @@ class PointCloud {
   std::vector<Index> neighbour;      ///< k per sample, nearest first; entry 0 is the sample itself
   std::vector<float> local_spacing;  ///< s_i = sqrt(pi/(k-1)) * distance to the k-th neighbour
   double spacing = 0.0;              ///< s: median of local_spacing
-  VoxelSearch search;                ///< of `position`
+  /// That at a sample, but no less than the median.
+  double spacing_at(Index sample) const {
+    return std::max(spacing, static_cast<double>(local_spacing[sample]));
+  }
+  VoxelSearch search;            ///< of `position`
   std::vector<Vec3f> normal;     ///< PCA of the k neighbours; sign arbitrary until `orient_normals`
   std::vector<float> deviation;  ///< of the k neighbours from their plane, root mean square
   std::vector<TangentPlane>

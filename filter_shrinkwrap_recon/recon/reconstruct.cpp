@@ -44,6 +44,11 @@ class StageLog {
     record.seconds = watch_.lap();
     result_.stages.push_back(std::move(record));
   }
+  // The last stage took longer, and left so many vertices.
+  void go_on(Index vertices) {
+    result_.stages.back().vertices = vertices;
+    result_.stages.back().seconds += watch_.lap();
+  }
   // What was logged elsewhere.
   void skip() { watch_.lap(); }
   // `make_mesh` is called only if the caller wants the stages; its time is not the stage's.
@@ -302,7 +307,9 @@ void match_smoothed(PointCloud& cloud, const std::vector<Vec3>& points, const No
   progress.begin(Stage::orientation);
   smooth_for_noise(cloud, noise, options, result.orientation, progress);
   log.add(Stage::orientation, cloud.size());
-  FittedSurface fitted = make_surface(cloud, options, result, log, progress);
+  ReconstructionOptions to_match = options;  // whatever then becomes of the openings
+  to_match.complete_matching.openings = CompleteMatchingOptions::Openings::close;
+  FittedSurface fitted = make_surface(cloud, to_match, result, log, progress);
   undo_denoising(cloud, points, options.samples.neighbours, progress);
   match_sheets(std::move(fitted.surface.mesh), cloud, points, options, result, log, progress);
 }
@@ -359,6 +366,7 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
     FittedSurface fitted = make_surface(cloud, options, result, log, progress);
     if (options.stop_at_parametric_surface) {
       result.mesh = stop_at(fitted, cloud, options, progress);
+      log.go_on(static_cast<Index>(result.mesh.position.size()));
       result.relaxation = std::move(fitted.relaxation);
       result.openings = fitted.openings;
     } else {
@@ -460,9 +468,12 @@ ResultMesh stop_at(FittedSurface& fitted, const PointCloud& cloud,
                    const ReconstructionOptions& options, Progress& progress) {
   progress.set_part(1.0, 1.0);
   SurfaceMesh& surface = fitted.surface.mesh;
-  const SurfaceOpenings openings = decide_surface_openings(surface, fitted.membranes, cloud,
-                                                           options.complete_matching, progress);
+  const SurfaceOpenings openings = cut_surface_openings(surface, fitted.membranes, progress);
   const std::vector<Index>& dropped = openings.opening_faces;
+  if (static_cast<Index>(dropped.size()) == surface.face_count())
+    throw ReconstructionFailed(
+        "nothing but openings: no part of the surface has samples on its outer side. Close the "
+        "openings in place of leaving them open.");
   if (!dropped.empty()) round_to_host(surface, cloud.frame, options.host_scalar);
   ResultMesh mesh = to_result(surface, cloud.frame, progress);
   drop_faces(mesh, dropped, progress);

@@ -41,7 +41,7 @@ struct ReconstructionOptions {
   /// Points that single precision cannot hold come from no host of that precision: double is used.
   HostScalar host_scalar = HostScalar::single_precision;
   bool stop_at_parametric_surface =
-      false;  ///< for noisy clouds: a smooth closed surface near the samples
+      false;  ///< for noisy clouds: a smooth surface near the samples, closed or with openings
   /// Return the mesh of every stage too, the box before them if it is the start; the vertices of
   /// the complete matching and of the result then carry a quality: their distance from the
   /// parametric surface (input length).
@@ -137,14 +137,15 @@ struct FittedSurface {
   OpeningsReport openings;  ///< that `stop_at` made
 };
 
-/// Makes the parametric surface and rounds it to `options.host_scalar`. Where the run stops at it,
-/// its membranes are stretched and faces that meet others are smoothed apart, and both reports are
-/// of the result.
+/// Makes the parametric surface, closed, and rounds it to `options.host_scalar`. Where the run
+/// stops at it, the membranes that are to stay are stretched and faces that meet others are
+/// smoothed apart, and both reports are of that.
 FittedSurface fit_surface(SurfaceMesh control, const PointCloud& cloud,
                           const ReconstructionOptions& options, Progress& progress);
 
-/// Such a surface as a result, with its openings as the options say: face quality as in
+/// Such a surface as a result, with its openings as the options said: face quality as in
 /// Reconstruction. Fills in `openings`, and counts anew which faces meet if some were dropped.
+/// Throws ReconstructionFailed if all would be.
 ResultMesh stop_at(FittedSurface& fitted, const PointCloud& cloud,
                    const ReconstructionOptions& options, Progress& progress);
 

@@ -2,9 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
+#include <limits>
+#include <queue>
+#include <utility>
 
 #include "harmonic_surface.h"
+#include "one_ring.h"
 #include "parallel.h"
 #include "self_intersection.h"
 #include "sort_unique.h"
@@ -12,141 +17,90 @@
 namespace shrinkwrap {
 namespace {
 
-constexpr Index kGrain = 1 << 11;
+constexpr Index kGrain = 1 << 11, kPollInterval = 1 << 12;
 constexpr int kVotes = 3;
 constexpr int kRimSteps = 5;
 constexpr double kRimWeight = 0.5;  // of the neighbours along the rim, in a step
-constexpr int kHalvings = 2;
+constexpr std::size_t kShortestBorder = 16;
+constexpr int kHalvings = 2, kMostRounds = 8;
 constexpr double kLeastArea = 0.75;  // of a membrane of several rims, x its area before
+constexpr double kMostMeeting = 0.2;
+
+bool holds(const std::vector<Index>& ascending, Index i) {
+  return std::binary_search(ascending.begin(), ascending.end(), i);
+}
 
 // Whether a membrane is a disc: by the Euler characteristic of the faces and edges at its vertices.
 bool is_disc(const SurfaceMesh& surface, const std::vector<Index>& vertices) {
-  const auto holds = [&](Index v) {
-    return std::binary_search(vertices.begin(), vertices.end(), v);
-  };
   Index edges = 0, faces = 0;  // each counted at its lowest vertex here
   for (const Index v : vertices)
     surface.for_each_outgoing(v, [&](Index h) {
       const Index a = surface.target(h), b = surface.opposite(h);
-      const bool is_above_a = a < v && holds(a), is_above_b = b < v && holds(b);
+      const bool is_above_a = a < v && holds(vertices, a), is_above_b = b < v && holds(vertices, b);
       edges += is_above_a ? 0 : 1;
       faces += is_above_a || is_above_b ? 0 : 1;
     });
   return static_cast<Index>(vertices.size()) - edges + faces == 1;
 }
 
-std::vector<Index> faces_at(const SurfaceMesh& surface, const std::vector<Index>& vertices) {
-  std::vector<Index> faces;
-  for (const Index v : vertices)
-    surface.for_each_outgoing(v, [&](Index h) { faces.push_back(SurfaceMesh::face(h)); });
-  sort_unique(faces);
-  return faces;
-}
-
-double area_of(const SurfaceMesh& surface, const std::vector<Index>& faces) {
+double area_around(const SurfaceMesh& surface, const std::vector<Index>& vertices) {
   double sum = 0.0;
-  for (const Index f : faces) sum += surface.area_vector(f).norm();
+  for (const Index f : faces_around(surface, vertices)) sum += surface.area_vector(f).norm();
   return sum;
 }
 
-// Moves vertices (ascending) towards the middle of the neighbours to which a half-edge of a curve
-// leads, for which `is_on_curve(h)` holds.
-template <class IsOnCurve>
-void smooth_curves(SurfaceMesh& surface, const std::vector<Index>& vertices,
-                   const IsOnCurve& is_on_curve) {
-  std::vector<Vec3> smoothed(vertices.size());
-  for (int step = 0; step < kRimSteps; ++step) {
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-      Vec3 sum = Vec3::Zero();
-      int count = 0;
-      surface.for_each_outgoing(vertices[i], [&](Index h) {
-        if (!is_on_curve(h)) return;
-        sum += surface.position[surface.target(h)];
-        ++count;
-      });
-      const Vec3& p = surface.position[vertices[i]];
-      smoothed[i] = count > 0 ? Vec3(p + kRimWeight * (sum / count - p)) : p;
-    }
-    for (std::size_t i = 0; i < vertices.size(); ++i) surface.position[vertices[i]] = smoothed[i];
-  }
-}
+// Where the samples are, seen from the vertices of membranes.
+struct Nearest {
+  std::vector<float> distance, spacing;  // per vertex: of the nearest sample
 
-// The borders of what is left without these faces (ascending).
-void smooth_borders(SurfaceMesh& surface, const std::vector<Index>& dropped) {
-  const auto is_dropped = [&](Index h) {
-    return std::binary_search(dropped.begin(), dropped.end(), SurfaceMesh::face(h));
-  };
-  const auto is_on_border = [&](Index h) { return is_dropped(h) != is_dropped(surface.twin(h)); };
-  std::vector<Index> border;
-  for (const Index f : dropped)
-    for (Index h = 3 * f; h < 3 * f + 3; ++h)
-      if (is_on_border(h)) border.push_back(surface.origin(h));
-  sort_unique(border);
-  smooth_curves(surface, border, is_on_border);
-}
-
-// A membrane that is being stretched, with what surrounds it.
-struct Stretched {
-  SurfaceMembrane* membrane;
-  std::vector<Index> moved;  // its vertices, then those of its rims
-  std::vector<Vec3> before;  // where these were
-  double area_before;
-  int halvings = 0;
-
-  Stretched(const SurfaceMesh& surface, SurfaceMembrane& of)
-      : membrane(&of),
-        moved(of.vertices),
-        area_before(area_of(surface, faces_at(surface, of.vertices))) {
-    std::vector<Index> rim;
-    for (const Index v : of.vertices)
-      surface.for_each_outgoing(v, [&](Index h) {
-        const Index u = surface.target(h);
-        if (!std::binary_search(of.vertices.begin(), of.vertices.end(), u)) rim.push_back(u);
-      });
-    sort_unique(rim);
-    moved.insert(moved.end(), rim.begin(), rim.end());
-    for (const Index v : moved) before.push_back(surface.position[v]);
-  }
-
-  bool has_rim() const { return moved.size() > membrane->vertices.size(); }
-
-  void smooth_rim(SurfaceMesh& surface) const {
-    const std::vector<Index> rim(
-        moved.begin() + static_cast<std::ptrdiff_t>(membrane->vertices.size()), moved.end());
-    smooth_curves(surface, rim, [&](Index h) {
-      return std::binary_search(rim.begin(), rim.end(), surface.target(h));
+  Nearest(const SurfaceMesh& surface, const std::vector<char>& is_membrane, const PointCloud& cloud,
+          Progress& progress)
+      : distance(is_membrane.size()), spacing(is_membrane.size()) {
+    parallel_for_each(surface.vertex_slots(), kGrain, progress, [&](Index v) {
+      bool is_near_one = is_membrane[v] != 0;  // rims count too
+      surface.for_each_outgoing(
+          v, [&](Index h) { is_near_one = is_near_one || is_membrane[surface.target(h)]; });
+      if (!is_near_one) return;
+      const VoxelSearch::Hit hit = cloud.search.nearest(surface.position[v]);
+      distance[v] = static_cast<float>(std::sqrt(hit.squared_distance));
+      spacing[v] = static_cast<float>(cloud.spacing_at(hit.index));
     });
-  }
-
-  bool is_neck(const SurfaceMesh& surface) const {
-    return area_of(surface, faces_at(surface, membrane->vertices)) < kLeastArea * area_before &&
-           !is_disc(surface, membrane->vertices);
-  }
-
-  // Half of the way; at last all of it.
-  void go_back(SurfaceMesh& surface) {
-    if (++halvings > kHalvings) return go_back_all_the_way(surface);
-    for (std::size_t i = 0; i < moved.size(); ++i) {
-      Vec3& p = surface.position[moved[i]];
-      p = 0.5 * (p + before[i]);
-    }
-  }
-  void go_back_all_the_way(SurfaceMesh& surface) {
-    for (std::size_t i = 0; i < moved.size(); ++i) surface.position[moved[i]] = before[i];
-    membrane->is_stretched = false;
   }
 };
 
-}  // namespace
+// How far the vertices of membranes are from the samples along the surface: from that of the
+// nearest sample at the rim on. Infinite where there is no rim.
+std::vector<float> distances_along(const SurfaceMesh& surface, const std::vector<char>& is_membrane,
+                                   const Nearest& nearest, Progress& progress) {
+  using Entry = std::pair<float, Index>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  std::vector<float> distance(is_membrane.size(), std::numeric_limits<float>::infinity());
+  const auto reach = [&](Index v, float at) {
+    if (at >= distance[v]) return;
+    distance[v] = at;
+    queue.push({at, v});
+  };
+  const auto spread = [&](Index from, float at) {
+    surface.for_each_outgoing(from, [&](Index h) {
+      const Index u = surface.target(h);
+      if (is_membrane[u])
+        reach(u, at + static_cast<float>((surface.position[u] - surface.position[from]).norm()));
+    });
+  };
+  for (Index v = 0; v < surface.vertex_slots(); ++v)
+    if (!is_membrane[v]) spread(v, nearest.distance[v]);
+  for (Index count = 1; !queue.empty(); ++count) {
+    const auto [at, v] = queue.top();
+    queue.pop();
+    if (at <= distance[v]) spread(v, at);
+    if (count % kPollInterval == 0) progress.update(0.5);
+  }
+  return distance;
+}
 
-std::vector<SurfaceMembrane> find_surface_membranes(const SurfaceMesh& surface,
-                                                    std::vector<char> is_membrane,
-                                                    const PointCloud& cloud,
-                                                    const CompleteMatchingOptions& options,
-                                                    Progress& progress) {
-  std::vector<SurfaceMembrane> membranes;
-  if (std::none_of(is_membrane.begin(), is_membrane.end(), [](char is) { return is != 0; }))
-    return membranes;
+// Vertices that alone are unlike those around them turn into their like.
+void straighten_outlines(const SurfaceMesh& surface, std::vector<char>& is_membrane,
+                         Progress& progress) {
   for (int vote = 0; vote < kVotes; ++vote) {
     std::vector<char> next(is_membrane.size());
     parallel_for_each(surface.vertex_slots(), kGrain, progress, [&](Index v) {
@@ -157,30 +111,170 @@ std::vector<SurfaceMembrane> find_surface_membranes(const SurfaceMesh& surface,
     });
     is_membrane = std::move(next);
   }
-  std::vector<char> is_found(is_membrane.size(), 0);
+}
+
+bool is_left_open(double width, const CompleteMatchingOptions& options) {
+  switch (options.openings) {
+    case CompleteMatchingOptions::Openings::close:
+      return false;
+    case CompleteMatchingOptions::Openings::leave_open:
+      return true;
+    case CompleteMatchingOptions::Openings::automatic:
+      break;
+  }
+  return width > options.widest_opening;
+}
+
+// A membrane that is being stretched, with what surrounds it.
+class Stretched {
+ public:
+  Stretched(const SurfaceMesh& surface, SurfaceMembrane& membrane)
+      : membrane_(&membrane),
+        moved_(membrane.vertices),
+        area_before_(area_around(surface, membrane.vertices)) {
+    for (const Index v : membrane.vertices)
+      surface.for_each_outgoing(v, [&](Index h) {
+        const Index u = surface.target(h);
+        if (!holds(membrane.vertices, u)) rim_.push_back(u);
+      });
+    sort_unique(rim_);
+    moved_.insert(moved_.end(), rim_.begin(), rim_.end());
+    for (const Index v : moved_) before_.push_back(surface.position[v]);
+    membrane.is_stretched = has_rim();
+  }
+
+  bool has_rim() const { return !rim_.empty(); }  // otherwise it is a body without samples
+  bool is_stretched() const { return membrane_->is_stretched; }
+
+  void smooth_rim(SurfaceMesh& surface) const {
+    std::vector<Vec3> smoothed(rim_.size());
+    for (int step = 0; step < kRimSteps; ++step) {
+      for (std::size_t i = 0; i < rim_.size(); ++i) {
+        const Vec3& p = surface.position[rim_[i]];
+        Vec3 sum = Vec3::Zero();
+        int count = 0;
+        surface.for_each_outgoing(rim_[i], [&](Index h) {
+          if (!holds(rim_, surface.target(h))) return;
+          sum += surface.position[surface.target(h)] - p;
+          ++count;
+        });
+        smoothed[i] = count > 0 ? Vec3(p + kRimWeight / count * sum) : p;
+      }
+      for (std::size_t i = 0; i < rim_.size(); ++i) surface.position[rim_[i]] = smoothed[i];
+    }
+  }
+
+  bool is_neck(const SurfaceMesh& surface) const {
+    return area_around(surface, membrane_->vertices) < kLeastArea * area_before_ &&
+           !is_disc(surface, membrane_->vertices);
+  }
+  bool has_one_of(const std::vector<Index>& ascending) const {
+    return std::any_of(moved_.begin(), moved_.end(), [&](Index v) { return holds(ascending, v); });
+  }
+
+  // Half of the way; at last all of it.
+  void go_back(SurfaceMesh& surface) {
+    if (++halvings_ > kHalvings) return go_back_all_the_way(surface);
+    for (std::size_t i = 0; i < moved_.size(); ++i) {
+      Vec3& p = surface.position[moved_[i]];
+      p = 0.5 * (p + before_[i]);
+    }
+  }
+  void go_back_all_the_way(SurfaceMesh& surface) {
+    for (std::size_t i = 0; i < moved_.size(); ++i) surface.position[moved_[i]] = before_[i];
+    membrane_->is_stretched = false;
+  }
+
+ private:
+  SurfaceMembrane* membrane_;
+  std::vector<Index> rim_;    // ascending
+  std::vector<Index> moved_;  // the membrane's vertices, then those of its rims
+  std::vector<Vec3> before_;  // where these were
+  double area_before_;
+  int halvings_ = 0;
+};
+
+// The borders of what is left without these faces (ascending), each in order.
+std::vector<std::vector<Index>> borders_of(const SurfaceMesh& surface,
+                                           const std::vector<Index>& dropped) {
+  const auto is_dropped = [&](Index h) { return holds(dropped, SurfaceMesh::face(h)); };
+  const auto is_on_border = [&](Index h) { return is_dropped(h) && !is_dropped(surface.twin(h)); };
+  std::vector<Index> edges;  // half-edges of dropped faces, ascending
+  for (const Index f : dropped)
+    for (Index h = 3 * f; h < 3 * f + 3; ++h)
+      if (is_on_border(h)) edges.push_back(h);
+  std::vector<char> is_seen(edges.size(), 0);
+  std::vector<std::vector<Index>> borders;
+  for (std::size_t first = 0; first < edges.size(); ++first) {
+    std::vector<Index> border;
+    for (Index h = edges[first];;) {
+      const auto at = std::lower_bound(edges.begin(), edges.end(), h) - edges.begin();
+      if (is_seen[static_cast<std::size_t>(at)]) break;
+      is_seen[static_cast<std::size_t>(at)] = 1;
+      border.push_back(surface.origin(h));
+      // The next edge of the border: one fan stays at each vertex, so one is dropped.
+      h = SurfaceMesh::next(h);
+      while (!is_on_border(h)) h = SurfaceMesh::next(surface.twin(h));
+    }
+    if (!border.empty()) borders.push_back(std::move(border));
+  }
+  return borders;
+}
+
+void smooth_border(SurfaceMesh& surface, const std::vector<Index>& border) {
+  const std::size_t size = border.size();
+  std::vector<Vec3> smoothed(size);
+  for (int step = 0; step < kRimSteps; ++step) {
+    for (std::size_t i = 0; i < size; ++i) {
+      const auto at = [&](std::size_t k) -> const Vec3& {
+        return surface.position[border[(i + k) % size]];
+      };
+      smoothed[i] = at(0) + kRimWeight * (0.5 * (at(size - 1) + at(1)) - at(0));
+    }
+    for (std::size_t i = 0; i < size; ++i) surface.position[border[i]] = smoothed[i];
+  }
+}
+
+}  // namespace
+
+std::vector<SurfaceMembrane> find_surface_membranes(const SurfaceMesh& surface,
+                                                    std::vector<char> is_membrane,
+                                                    const PointCloud& cloud,
+                                                    const CompleteMatchingOptions& options,
+                                                    Progress& progress) {
+  std::vector<SurfaceMembrane> openings;
+  const bool has_sides = cloud.size() > cloud.neighbour_count;
+  if (!has_sides || std::count(is_membrane.begin(), is_membrane.end(), 0) == surface.vertex_slots())
+    return openings;
+  straighten_outlines(surface, is_membrane, progress);
+  const Nearest nearest(surface, is_membrane, cloud, progress);
+  const std::vector<float> distance = distances_along(surface, is_membrane, nearest, progress);
   for (Index seed = 0; seed < surface.vertex_slots(); ++seed) {
-    if (!is_membrane[seed] || is_found[seed]) continue;
+    if (!is_membrane[seed]) continue;
     SurfaceMembrane membrane;
     std::vector<Index>& vertices = membrane.vertices;
+    bool is_opening = false;
+    is_membrane[seed] = 0;
     vertices.push_back(seed);
-    is_found[seed] = 1;
-    for (std::size_t i = 0; i < vertices.size(); ++i)
-      surface.for_each_outgoing(vertices[i], [&](Index h) {
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      const Index v = vertices[i];
+      const double limit = options.membrane_high * nearest.spacing[v];
+      is_opening = is_opening || distance[v] > limit;
+      membrane.is_far = membrane.is_far || nearest.distance[v] > limit;
+      membrane.width = std::max(membrane.width, 2.0 * distance[v] / cloud.spacing);
+      surface.for_each_outgoing(v, [&](Index h) {
         const Index u = surface.target(h);
-        if (!is_membrane[u] || is_found[u]) return;
-        is_found[u] = 1;
+        if (!is_membrane[u]) return;
+        is_membrane[u] = 0;
         vertices.push_back(u);
       });
-    membrane.is_wide = std::any_of(vertices.begin(), vertices.end(), [&](Index v) {
-      const VoxelSearch::Hit nearest = cloud.search.nearest(surface.position[v]);
-      const double spacing =
-          std::max(cloud.spacing, static_cast<double>(cloud.local_spacing[nearest.index]));
-      return std::sqrt(nearest.squared_distance) > options.membrane_high * spacing;
-    });
+    }
+    if (!is_opening) continue;
     std::sort(vertices.begin(), vertices.end());
-    membranes.push_back(std::move(membrane));
+    membrane.is_left_open = is_left_open(membrane.width, options);
+    openings.push_back(std::move(membrane));
   }
-  return membranes;
+  return openings;
 }
 
 void stretch_membranes(SurfaceMesh& surface, std::vector<SurfaceMembrane>& membranes,
@@ -188,78 +282,61 @@ void stretch_membranes(SurfaceMesh& surface, std::vector<SurfaceMembrane>& membr
   std::vector<Stretched> stretched;
   std::vector<Index> vertices;
   for (SurfaceMembrane& membrane : membranes) {
-    if (!membrane.is_wide) continue;
+    if (!membrane.is_far || membrane.is_left_open) continue;
     Stretched one(surface, membrane);
-    if (!one.has_rim()) continue;  // a body without samples
-    membrane.is_stretched = true;
+    if (!one.has_rim()) continue;
     stretched.push_back(std::move(one));
     vertices.insert(vertices.end(), membrane.vertices.begin(), membrane.vertices.end());
   }
   if (stretched.empty()) return;
+  const std::vector<Triangle> triangles = surface.triangles();
+  const auto faces_that_meet = [&] {
+    return self_intersecting_faces(surface.position, triangles, progress);
+  };
+  const auto all_go_back = [&] {
+    for (Stretched& one : stretched) one.go_back_all_the_way(surface);
+  };
+  const std::vector<Index> met_before = faces_that_meet();
+  if (static_cast<double>(met_before.size()) > kMostMeeting * surface.face_count())
+    return all_go_back();
   std::sort(vertices.begin(), vertices.end());
   for (const Stretched& one : stretched) one.smooth_rim(surface);
-  const bool is_solved = make_harmonic(surface, vertices);
+  if (!make_harmonic(surface, vertices, progress)) return all_go_back();
   for (Stretched& one : stretched)
-    if (!is_solved || one.is_neck(surface)) one.go_back_all_the_way(surface);
-  bool goes_back = true;
-  while (goes_back) {
-    goes_back = false;
-    const std::vector<Index> meeting =
-        self_intersecting_faces(surface.position, surface.triangles(), progress);
-    if (meeting.empty()) break;
-    std::vector<Index> corners;
-    for (const Index f : meeting)
-      for (const Index v : surface.triangle(f)) corners.push_back(v);
-    sort_unique(corners);
+    if (one.is_neck(surface)) one.go_back_all_the_way(surface);
+  for (int round = 0; round < kMostRounds; ++round) {
+    const std::vector<Index> met = faces_that_meet();
+    std::vector<Index> meeting;
+    std::set_difference(met.begin(), met.end(), met_before.begin(), met_before.end(),
+                        std::back_inserter(meeting));
+    const std::vector<Index> corners = corners_of(surface, meeting);
+    bool goes_back = false;
     for (Stretched& one : stretched) {
-      if (!one.membrane->is_stretched ||
-          std::none_of(one.moved.begin(), one.moved.end(), [&](Index v) {
-            return std::binary_search(corners.begin(), corners.end(), v);
-          }))
-        continue;
+      if (!one.is_stretched() || !one.has_one_of(corners)) continue;
       one.go_back(surface);
       goes_back = true;
     }
+    if (!goes_back) return;
   }
+  all_go_back();
 }
 
-SurfaceOpenings decide_surface_openings(SurfaceMesh& surface,
-                                        const std::vector<SurfaceMembrane>& membranes,
-                                        const PointCloud& cloud,
-                                        const CompleteMatchingOptions& options,
-                                        Progress& progress) {
-  using Openings = CompleteMatchingOptions::Openings;
+SurfaceOpenings cut_surface_openings(SurfaceMesh& surface,
+                                     const std::vector<SurfaceMembrane>& membranes,
+                                     Progress& progress) {
   SurfaceOpenings result;
-  const double widest = options.openings == Openings::leave_open ? options.membrane_high
-                                                                 : 0.5 * options.widest_opening;
-  const auto is_beyond = [&](Index v) {
-    const Vec3f normal = surface.vertex_normal(v).cast<float>();
-    const VoxelSearch::Hit nearest = cloud.search.nearest(surface.position[v]);
-    const double spacing =
-        std::max(cloud.spacing, static_cast<double>(cloud.local_spacing[nearest.index]));
-    return cloud.search
-               .nearest_if(surface.position[v], widest * spacing,
-                           [&](Index i) { return cloud.normal[i].dot(normal) > 0.0f; })
-               .index == kNone;
-  };
-  std::vector<Index> open, spanned;
+  std::vector<Index> open, spanned;  // vertices
   for (const SurfaceMembrane& membrane : membranes) {
-    progress.update(0.5);
-    const std::vector<Index>& vertices = membrane.vertices;
-    const bool is_left_open = options.openings != Openings::close &&
-                              std::any_of(vertices.begin(), vertices.end(), is_beyond);
-    if (!is_left_open && !membrane.is_wide) continue;
-    ++(is_left_open ? result.report.left_open : result.report.spanned);
-    if (!is_left_open && membrane.is_stretched) ++result.report.stretched;
-    std::vector<Index>& faces = is_left_open ? open : spanned;
-    const std::vector<Index> more = faces_at(surface, vertices);
-    faces.insert(faces.end(), more.begin(), more.end());
+    std::vector<Index>& vertices = membrane.is_left_open ? open : spanned;
+    vertices.insert(vertices.end(), membrane.vertices.begin(), membrane.vertices.end());
+    ++(membrane.is_left_open ? result.report.left_open : result.report.spanned);
+    result.report.stretched += membrane.is_stretched;
   }
-  sort_unique(open);
-  sort_unique(spanned);
-  result.opening_faces = cut_openings(surface, open, 0, progress);
-  smooth_borders(surface, result.opening_faces);
-  std::set_union(spanned.begin(), spanned.end(), result.opening_faces.begin(),
+  result.opening_faces = cut_openings(surface, faces_around(surface, open), 0, progress);
+  for (const std::vector<Index>& border : borders_of(surface, result.opening_faces))
+    if (border.size() >= kShortestBorder) smooth_border(surface, border);
+  const std::vector<Index> spanning = faces_around(surface, spanned);
+  std::set_union(spanning.begin(), spanning.end(), result.opening_faces.begin(),
                  result.opening_faces.end(), std::back_inserter(result.spanning_faces));
   return result;
 }

@@ -1,5 +1,5 @@
-// Openings of the scan where a run ends at the parametric surface: its membranes, stretched or
-// left out.
+// Openings of the scan where a run ends at the parametric surface: its membranes, faired (hole
+// filling) or left out.
 #pragma once
 
 #include <vector>
@@ -11,40 +11,46 @@
 
 namespace shrinkwrap {
 
-/// A part of the surface that no sample supports.
+/// A part of the surface that no sample supports, wide enough to be an opening of the scan: along
+/// the surface a vertex of it is farther than `membrane_high` spacings from the samples.
 struct SurfaceMembrane {
   std::vector<Index> vertices;  ///< ascending
-  bool is_wide = false;  ///< one of them is farther than `membrane_high` spacings from every sample
+  double width = 0.0;  ///< x median spacing: twice the greatest such distance; infinite without rim
+  bool is_far = false;  ///< a vertex is as far from every sample as the crow flies, too: it is not
+                        ///< the back of a sheet close behind its front
+  bool is_left_open = false;  ///< as the options say
   bool is_stretched = false;
 };
 
-/// The pieces of `is_membrane` (per vertex, see mark_membranes) that hang together, after vertices
-/// have joined the majority of their neighbours, so that the outline is no more ragged than it has
-/// to be. Ordered by their lowest vertices. O(V).
+/// The openings, each a piece of `is_membrane` (per vertex, see mark_membranes) that hangs
+/// together, after vertices have joined the majority of their neighbours, so that the outline is no
+/// more ragged than it has to be. Ordered by their lowest vertices. O(V) expected where no vertex
+/// is a membrane's, else O(V log V), parallel but for the distances along the surface. None if
+/// there are so few samples that their normals tell no side.
 std::vector<SurfaceMembrane> find_surface_membranes(const SurfaceMesh& surface,
                                                     std::vector<char> is_membrane,
                                                     const PointCloud& cloud,
                                                     const CompleteMatchingOptions& options,
                                                     Progress& progress);
 
-/// Stretches the wide membranes (harmonic_surface.h) over rims that are smoothed a little, and sets
-/// `is_stretched`: the initial mesh had them bulge, and fitting knows nothing of them. One whose
-/// faces would then meet others goes back half of the way, twice, and at last all of it; one of
-/// several rims that would become a thin neck stays as it is.
+/// Stretches the membranes that are far from samples and not left open (harmonic_surface.h) over
+/// rims that are smoothed a little, and sets `is_stretched`: the initial mesh had them bulge, and
+/// fitting knows nothing of them. One whose faces would then meet others, though they did not
+/// before, goes back half of the way, twice, and at last all of it; one of several rims that would
+/// become a thin neck stays as it is, and so do all if a fifth of the faces meet others anyway.
 void stretch_membranes(SurfaceMesh& surface, std::vector<SurfaceMembrane>& membranes,
                        Progress& progress);
 
-/// What becomes of the openings, as the options say (CompleteMatchingOptions::Openings; the width
-/// of one is twice the greatest distance of its vertices from samples of their own side). The
-/// borders of those that are left open are smoothed a little: these vertices move.
+/// What becomes of the faces of membranes, those with a corner in one.
 struct SurfaceOpenings {
   std::vector<Index> opening_faces;   ///< to be dropped, ascending
-  std::vector<Index> spanning_faces;  ///< those too, and the others of wide membranes; ascending
+  std::vector<Index> spanning_faces;  ///< those too, and those that stay; ascending
   OpeningsReport report;
 };
-SurfaceOpenings decide_surface_openings(SurfaceMesh& surface,
-                                        const std::vector<SurfaceMembrane>& membranes,
-                                        const PointCloud& cloud,
-                                        const CompleteMatchingOptions& options, Progress& progress);
+/// Chooses the faces to be dropped (cut_openings), and smooths the borders that they leave if these
+/// are no shorter than 16 edges: their vertices move.
+SurfaceOpenings cut_surface_openings(SurfaceMesh& surface,
+                                     const std::vector<SurfaceMembrane>& membranes,
+                                     Progress& progress);
 
 }  // namespace shrinkwrap

@@ -139,8 +139,7 @@ Index TangentTarget::walk(const Vec3& query, const Vec3f& normal, Index from) co
 Index TangentTarget::search_all(const Vec3& query, const Vec3f& normal) const {
   const VoxelSearch::Hit any = cloud_.search.nearest(query);
   if (is_compatible(any.index, normal)) return any.index;
-  const double spacing =
-      std::max(cloud_.spacing, static_cast<double>(cloud_.local_spacing[any.index]));
+  const double spacing = cloud_.spacing_at(any.index);
   const double far = kFarReaches * options_.reach * spacing;
   if (any.squared_distance > far * far) return any.index;
   const VoxelSearch::Hit hit =
