@@ -121,6 +121,10 @@ void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings
                        formatted("%.2f", report.voxel_size) +
                        " spacings, which was taken in its place, does not have " +
                        (report.handles_refuted == 1 ? "it." : "them."));
+  if (report.bodies_parted > 0)
+    warnings.push_back(count_of(report.bodies_parted, "body", "bodies") +
+                       " more told apart by voxels of " + formatted("%.2f", report.voxel_size) +
+                       " spacings, which were taken.");
   if (report.handles_cut > 0)
     warnings.push_back(count_of(report.handles_cut, "handle") +
                        " cut to keep to the greatest genus asked for.");

@@ -5,6 +5,7 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <string>
 
 #include "expect_mesh.h"
 #include "oriented_cloud.h"
@@ -165,6 +166,33 @@ TEST(VoxelSolid, BricksAreNoMoreThanAFewTimesTheSamples) {
   const InitialMesh usual =
       initial_mesh_of(oriented_cloud(sample_shape(ShapeKind::sphere, 500, 3)));
   EXPECT_FALSE(usual.report.voxels_are_larger);
+}
+
+TEST(InitialMesh, SmallerVoxelsPartBodiesThatAreClose) {
+  // Eight balls at the corners of a cube, of which some are turned, two spacings apart.
+  constexpr Index kSamples = 80;
+  const double distance = 2.0 + 2.0 * std::sqrt(4.0 * kPi / kSamples);
+  Index bodies = 0, bodies_without = 0;
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::vector<Vec3> points;
+    for (unsigned corner = 0; corner < 8; ++corner)
+      for (const Vec3& p : sample_shape_blue_noise(ShapeKind::sphere, kSamples, 8 * seed + corner))
+        points.push_back(p + distance * Vec3(corner & 1, corner >> 1 & 1, corner >> 2));
+    if (seed % 2 == 1)
+      for (Vec3& p : points) p = {0.8 * p.x() - 0.6 * p.y(), 0.6 * p.x() + 0.8 * p.y(), p.z()};
+    const PointCloud cloud = oriented_cloud(points);
+    InitialMeshOptions one_size;
+    one_size.voxel_ratio_for_bodies = 0.0;
+    const InitialMesh mesh = initial_mesh_of(cloud), without = initial_mesh_of(cloud, one_size);
+    EXPECT_EQ(mesh.report.components, 8);
+    EXPECT_EQ(mesh.report.genus, 0);
+    EXPECT_EQ(mesh.report.bodies_parted, mesh.report.components - without.report.components);
+    EXPECT_EQ(without.report.bodies_parted, 0);
+    bodies += mesh.report.components;
+    bodies_without += without.report.components;
+  }
+  EXPECT_LE(bodies_without, bodies - 5) << "the cases are too easy";
 }
 
 }  // namespace

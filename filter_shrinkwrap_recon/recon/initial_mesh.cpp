@@ -158,11 +158,9 @@ bool has_fewer_handles(const InitialMeshReport& a, const InitialMeshReport& b) {
 
 // The boundary that the evidence speaks for: a handle of the object is there at either voxel size,
 // one that voxels made between close sheets or through thin walls seldom is.
-InitialMesh most_plausible_boundary(const PointCloud& cloud, const InitialMeshOptions& options,
-                                    Progress& progress) {
-  progress.set_range(0.0, 0.0);
-  const WindingNumber winding(cloud, progress);
-  InitialMesh first = solid_boundary(cloud, winding, options, progress);
+InitialMesh boundary_with_fewer_handles(InitialMesh first, const PointCloud& cloud,
+                                        const WindingNumber& winding,
+                                        const InitialMeshOptions& options, Progress& progress) {
   if ((first.report.genus == 0 && first.report.false_handles == 0) ||
       options.second_voxel_ratio <= 0.0)
     return first;
@@ -175,6 +173,36 @@ InitialMesh most_plausible_boundary(const PointCloud& cloud, const InitialMeshOp
     return first;
   second.report.handles_refuted = first.report.genus - second.report.genus;
   return second;
+}
+
+// Where there are several bodies already, others may have grown together that smaller voxels tell
+// apart.
+InitialMesh boundary_with_more_bodies(InitialMesh first, const PointCloud& cloud,
+                                      const WindingNumber& winding,
+                                      const InitialMeshOptions& options, Progress& progress) {
+  if (first.report.components < 2 || first.report.voxels_are_larger ||
+      options.voxel_ratio_for_bodies <= 0.0)
+    return first;
+  InitialMeshOptions other = options;
+  other.voxel_size *= options.voxel_ratio_for_bodies;
+  InitialMesh second = solid_boundary(cloud, winding, other, progress);
+  const InitialMeshReport &a = first.report, &b = second.report;
+  const bool is_as_sound = b.genus <= a.genus && b.false_handles <= a.false_handles &&
+                           b.cavities == a.cavities && b.dropped <= a.dropped &&
+                           b.samples_with_solid_behind >= a.samples_with_solid_behind;
+  if (b.components <= a.components || !is_as_sound) return first;
+  second.report.handles_refuted = first.report.handles_refuted;
+  second.report.bodies_parted = b.components - a.components;
+  return second;
+}
+
+InitialMesh most_plausible_boundary(const PointCloud& cloud, const InitialMeshOptions& options,
+                                    Progress& progress) {
+  progress.set_range(0.0, 0.0);
+  const WindingNumber winding(cloud, progress);
+  InitialMesh mesh = solid_boundary(cloud, winding, options, progress);
+  mesh = boundary_with_fewer_handles(std::move(mesh), cloud, winding, options, progress);
+  return boundary_with_more_bodies(std::move(mesh), cloud, winding, options, progress);
 }
 
 }  // namespace

@@ -31,6 +31,9 @@ struct InitialMeshOptions {
   /// fewer false ones, and as many parts (of larger voxels: as many bodies, as cavities between
   /// noisy layers are refuted too). 0: never.
   double second_voxel_ratio = 0.85;
+  /// x voxel size, where there are several bodies: if more are told apart then, at no more handles
+  /// and no fewer samples with solid behind them, that boundary is taken. 0: never.
+  double voxel_ratio_for_bodies = 0.7;
   Index maximum_genus = -1;  ///< handles beyond are cut (genus_limit.h); -1: as many as there are
   Index min_component_samples = 30;  ///< solids and cavities supported by fewer samples are dropped
   int shrink_iterations = 4;
@@ -58,6 +61,7 @@ struct InitialMeshReport {
   bool voxels_are_larger = false;  ///< than asked for: see make_voxel_solid
   Index genus = 0;                 ///< of the mesh, summed over the components
   Index false_handles = 0;         ///< cut, as no samples bear them out
+  Index bodies_parted = 0;         ///< by smaller voxels, that had grown together
   Index handles_refuted = 0;       ///< left of the first solid, and not of the second
   Index handles_cut = 0;           ///< to keep to `maximum_genus`
   int levels = 0;                  ///< bounding_box only
