@@ -155,16 +155,16 @@ TEST(IntersectionRepair, DoesWhatItCanOnAHopelessMesh) {
   }
 }
 
-TEST(IntersectionRepair, FacesAreStubbornThatWereAnnealedOrAreLeft) {
+TEST(IntersectionRepair, FacesArePersistentThatWereAnnealedOrAreLeft) {
   RepairReport report;
   report.faces_before_annealing = 7;
-  EXPECT_EQ(report.stubborn_faces(), 0) << "what annealing did not change";
+  EXPECT_EQ(report.persistent_faces(), 0) << "what annealing did not change";
   report.faces_after = 3;
-  EXPECT_EQ(report.stubborn_faces(), 3);
+  EXPECT_EQ(report.persistent_faces(), 3);
   report.annealed = 1;
-  EXPECT_EQ(report.stubborn_faces(), 7);
+  EXPECT_EQ(report.persistent_faces(), 7);
   report.faces_after = 8;
-  EXPECT_EQ(report.stubborn_faces(), 8);
+  EXPECT_EQ(report.persistent_faces(), 8);
 }
 
 TEST(IntersectionRepair, CannotPartTwoSpheresButStops) {

@@ -31,8 +31,8 @@ struct InitialMeshOptions {
   /// fewer false ones, and as many parts (of larger voxels: as many bodies, as cavities between
   /// noisy layers are refuted too). 0: never.
   double second_voxel_ratio = 0.85;
-  /// x voxel size, where there are several bodies: if more are told apart then, at no more handles
-  /// and no fewer samples with solid behind them, that boundary is taken. 0: never.
+  /// x voxel size, where there are several bodies: if more are told apart then, at no more handles,
+  /// as many cavities and no fewer samples with solid behind, that boundary is taken. 0: never.
   double voxel_ratio_for_bodies = 0.7;
   Index maximum_genus = -1;  ///< handles beyond are cut (genus_limit.h); -1: as many as there are
   Index min_component_samples = 30;  ///< solids and cavities supported by fewer samples are dropped

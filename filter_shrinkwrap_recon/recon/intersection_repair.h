@@ -44,7 +44,7 @@ struct RepairReport {
 
   /// Faces that meet others, or did until they were annealed: where the surface is right, flips and
   /// relocations leave few or none.
-  Index stubborn_faces() const {
+  Index persistent_faces() const {
     return annealed > 0 ? std::max(faces_before_annealing, faces_after) : faces_after;
   }
 

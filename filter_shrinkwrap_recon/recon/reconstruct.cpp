@@ -189,7 +189,7 @@ void match(SurfaceMesh parametric, PointCloud& cloud, const std::vector<Vec3>& p
 // Faces that nobody wants in a mesh through the samples, and that tell of a wrong surface: those
 // that met others until they were annealed, and those with a corner that is no sample.
 Index faults_of(const Reconstruction& result, Index samples) {
-  Index count = result.intersection_repair.stubborn_faces();
+  Index count = result.intersection_repair.persistent_faces();
   if (result.complete_matching.extra_vertices == 0) return count;
   const std::vector<Index>& meeting = result.intersection_repair.remaining_faces;
   const std::vector<Triangle>& triangles = result.mesh.triangles;
@@ -328,7 +328,7 @@ void match_twice(PointCloud& cloud, const std::vector<Vec3>& points, const Noise
                  options, result, log, progress);
   }
   // Without noise it does little for vertices that are no samples, which close openings.
-  if (!is_noisy && result.intersection_repair.stubborn_faces() == 0) return;
+  if (!is_noisy && result.intersection_repair.persistent_faces() == 0) return;
   const ProgressShare share(progress, of_first, 1.0);
   try_again(result, second, cloud.size(), &Reconstruction::smoothing, progress,
             [&] { match_smoothed(cloud, points, noise, options, second, progress); });
