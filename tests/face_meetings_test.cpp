@@ -57,6 +57,30 @@ TEST(FaceMeetings, AreThoseOfTheMeshAfterEveryChange) {
   }
 }
 
+TEST(FaceMeetings, AbsentFacesMeetNothing) {
+  Random random(3);
+  const SurfaceMesh mesh = shaken_sphere(random);
+  Progress progress;
+  const Pairs all = found_anew(mesh);
+  std::vector<Index> absent;
+  for (Index f = 0; f < mesh.face_slots(); f += 3) absent.push_back(f);
+  Pairs expected;
+  for (const auto& [f, g] : all)
+    if (f % 3 != 0 && g % 3 != 0) expected.emplace_back(f, g);
+  ASSERT_GT(expected.size(), 10u);
+  ASSERT_LT(expected.size(), all.size());
+  const FaceMeetings meetings(mesh, kManyTests, progress, absent);
+  EXPECT_EQ(meetings.pairs_of(meetings.faces()), expected);
+  EXPECT_EQ(meetings.all_faces(progress), intersecting_faces(expected));
+  for (const auto& [f, g] : all) {
+    if (f % 3 == 0 || g % 3 > 0) continue;
+    Pairs pairs;
+    EXPECT_TRUE(meetings.find(
+        mesh.triangle(f), f, 1000, [&](Index) { return false; }, pairs));
+    for (const auto& pair : pairs) EXPECT_NE(pair.second % 3, 0);
+  }
+}
+
 TEST(FaceMeetings, MoreThanAskedForAreNotFound) {
   Random random(2);
   const SurfaceMesh mesh = shaken_sphere(random);

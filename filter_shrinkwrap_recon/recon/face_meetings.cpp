@@ -1,6 +1,7 @@
 #include "face_meetings.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "self_intersection.h"
 #include "sort_unique.h"
@@ -8,18 +9,25 @@
 namespace shrinkwrap {
 namespace {
 
-// By face slot: removed faces have no valid index, so that trees and tests leave them out.
-std::vector<Triangle> slot_triangles(const SurfaceMesh& mesh) {
+// By face slot: removed and absent faces have no valid index, so that trees and tests leave them
+// out.
+std::vector<Triangle> slot_triangles(const SurfaceMesh& mesh, const std::vector<Index>& absent) {
   std::vector<Triangle> triangles(mesh.face_slots());
   for (Index f = 0; f < mesh.face_slots(); ++f) triangles[f] = mesh.triangle(f);
+  for (const Index f : absent) triangles[f] = {kNone, kNone, kNone};
   return triangles;
 }
 
 }  // namespace
 
-FaceMeetings::FaceMeetings(const SurfaceMesh& mesh, std::int64_t max_tests, Progress& progress)
-    : mesh_(mesh), test_(mesh.position), max_tests_(max_tests), tests_left_(max_tests) {
-  const std::vector<Triangle> triangles = slot_triangles(mesh);
+FaceMeetings::FaceMeetings(const SurfaceMesh& mesh, std::int64_t max_tests, Progress& progress,
+                           std::vector<Index> absent_faces)
+    : mesh_(mesh),
+      absent_faces_(std::move(absent_faces)),
+      test_(mesh.position),
+      max_tests_(max_tests),
+      tests_left_(max_tests) {
+  const std::vector<Triangle> triangles = slot_triangles(mesh, absent_faces_);
   tree_ = BoxTree(mesh.position, triangles, progress);
   const std::size_t clusters = static_cast<std::size_t>(std::max(tree_.cluster_count(), 1));
   const std::size_t most = std::max(kPairsPerFace * triangles.size(), kLeastPairs) / clusters;
@@ -43,7 +51,7 @@ FaceMeetings::FaceMeetings(const SurfaceMesh& mesh, std::int64_t max_tests, Prog
 
 std::vector<Index> FaceMeetings::all_faces(Progress& progress) const {
   if (has_all_pairs_) return faces();
-  return self_intersecting_faces(tree_, test_, slot_triangles(mesh_), progress);
+  return self_intersecting_faces(tree_, test_, slot_triangles(mesh_, absent_faces_), progress);
 }
 
 std::vector<Index> FaceMeetings::faces() const {
@@ -87,7 +95,11 @@ std::vector<Index> FaceMeetings::faces_around(const std::vector<Triangle>& trian
 }
 
 void FaceMeetings::update_boxes(const std::vector<Index>& faces) {
-  for (const Index f : faces) tree_.set_box(f, tree_.box_of(mesh_.position, mesh_.triangle(f)));
+  const auto is_absent = [&](Index f) {
+    return std::binary_search(absent_faces_.begin(), absent_faces_.end(), f);
+  };
+  for (const Index f : faces)
+    if (!is_absent(f)) tree_.set_box(f, tree_.box_of(mesh_.position, mesh_.triangle(f)));
 }
 
 void FaceMeetings::replace(const std::vector<Index>& faces, const std::vector<Pair>& pairs) {

@@ -31,9 +31,10 @@ class FaceMeetings {
   static constexpr std::size_t kPairsPerFace = 20;
   static constexpr std::size_t kLeastPairs = 100000;
 
-  /// Finds the pairs, beyond the bound of tests; the mesh must outlive the object. O(F log F) for a
-  /// surface. Memory O(F).
-  FaceMeetings(const SurfaceMesh& mesh, std::int64_t max_tests, Progress& progress);
+  /// Finds the pairs, beyond the bound of tests; the mesh must outlive the object. `absent_faces`
+  /// (ascending) meet nothing, and must not change. O(F log F) for a surface. Memory O(F).
+  FaceMeetings(const SurfaceMesh& mesh, std::int64_t max_tests, Progress& progress,
+               std::vector<Index> absent_faces = {});
 
   Index pair_count() const { return pair_count_; }  ///< that are known
   bool has_all_pairs() const { return has_all_pairs_; }
@@ -71,6 +72,7 @@ class FaceMeetings {
 
  private:
   const SurfaceMesh& mesh_;
+  std::vector<Index> absent_faces_;
   TrianglePairs test_;
   BoxTree tree_;
   std::unordered_map<Index, std::vector<Index>> met_;  // both ways; order within is of no avail

@@ -58,13 +58,13 @@ constexpr std::size_t kAttemptCount = std::size(kAttempts);
 class Repair {
  public:
   Repair(SurfaceMesh& mesh, const RepairOptions& options, Progress& progress,
-         const std::vector<Index>& fixed_faces)
+         const std::vector<Index>& opening_faces)
       : mesh_(mesh),
         options_(options),
         progress_(progress),
-        fixed_faces_(fixed_faces),
-        meetings_(mesh, kLeastTests + kTestsPerFace * mesh.face_slots(), progress),
-        hinges_(mesh, meetings_, fixed_faces) {}
+        opening_faces_(opening_faces),
+        meetings_(mesh, kLeastTests + kTestsPerFace * mesh.face_slots(), progress, opening_faces),
+        hinges_(mesh, meetings_, opening_faces) {}
 
   RepairReport run();
 
@@ -98,7 +98,7 @@ class Repair {
   SurfaceMesh& mesh_;
   const RepairOptions& options_;
   Progress& progress_;
-  const std::vector<Index>& fixed_faces_;  // ascending
+  const std::vector<Index>& opening_faces_;  // ascending
   FaceMeetings meetings_;
   HingeFlips hinges_;
   FlipLimits limits_{0.0, kLeastHeight};
@@ -159,7 +159,7 @@ bool Repair::flip_together(Index h, int count, std::ptrdiff_t pairs_lost) {
 void Repair::relocate(Index v) {
   trials_left_ -= kTrialsOfRelocation;
   const std::vector<Index> changed =
-      relocate_sample(mesh_, meetings_, v, fixed_faces_, {limits_.least_height});
+      relocate_sample(mesh_, meetings_, v, opening_faces_, {limits_.least_height});
   if (changed.empty()) return;
   ++relocated_;
   touched_.insert(touched_.end(), changed.begin(), changed.end());
@@ -321,7 +321,6 @@ RepairReport Repair::run() {
   }
   limits_.least_height = kLeastHeight;
   unfold(changed);
-  turn_outward(mesh_);
   report.remaining_faces = meetings_.all_faces(progress_);
   report.after = meetings_.pair_count();
   report.faces_after = static_cast<Index>(report.remaining_faces.size());
@@ -337,9 +336,10 @@ RepairReport Repair::run() {
 }  // namespace
 
 RepairReport repair_self_intersections(SurfaceMesh& mesh, const RepairOptions& options,
-                                       Progress& progress, const std::vector<Index>& fixed_faces) {
+                                       Progress& progress,
+                                       const std::vector<Index>& opening_faces) {
   progress.set_range(0.0, 0.8);
-  return Repair(mesh, options, progress, fixed_faces).run();
+  return Repair(mesh, options, progress, opening_faces).run();
 }
 
 }  // namespace shrinkwrap

@@ -75,9 +75,10 @@ struct RepairReport {
 ///
 /// Finding the pairs costs as much as `self_intersections`; the rest is proportional to the number
 /// of faces in them. Deterministic.
-/// Edges of `fixed_faces` stay, pairs with them are counted.
+/// `opening_faces` (ascending) are not to be in the result: they stay as they are, and whatever
+/// meets them does not count.
 RepairReport repair_self_intersections(SurfaceMesh& mesh, const RepairOptions& options,
                                        Progress& progress,
-                                       const std::vector<Index>& fixed_faces = {});
+                                       const std::vector<Index>& opening_faces = {});
 
 }  // namespace shrinkwrap
