@@ -55,7 +55,7 @@ TEST(MeshReport, ClosedMeshes) {
     EXPECT_EQ(report.components, 1);
     EXPECT_EQ(report.genus, genus);
     EXPECT_EQ(report.border_loops, 0);
-    EXPECT_EQ(report.components_inward, 0);
+    EXPECT_EQ(report.components_inside_out, 0);
     EXPECT_EQ(report.self_intersecting_faces, 0);
     EXPECT_TRUE(report.closed());
     EXPECT_TRUE(report.manifold());
@@ -76,7 +76,7 @@ TEST(MeshReport, Volume) {
   const MeshReport turned = report_of(cube);
   EXPECT_NEAR(turned.volume, -1.0, 1e-12);
   EXPECT_FALSE(turned.outward());
-  EXPECT_EQ(turned.components_inward, 1);
+  EXPECT_EQ(turned.components_inside_out, 1);
 }
 
 TEST(MeshReport, SideOfVeryLargeAndVerySmallMeshes) {
@@ -87,7 +87,7 @@ TEST(MeshReport, SideOfVeryLargeAndVerySmallMeshes) {
     EXPECT_TRUE(report_of(mesh).outward());
     for (Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
     EXPECT_FALSE(report_of(mesh).outward());
-    EXPECT_EQ(report_of(mesh).components_inward, 1);
+    EXPECT_EQ(report_of(mesh).components_inside_out, 1);
   }
 }
 
@@ -99,7 +99,7 @@ TEST(MeshReport, ComponentsAndCavities) {
   mesh.add(Mesh(torus_mesh(12, 8)), Vec3(5, 0, 0));
   const MeshReport report = report_of(mesh);
   EXPECT_EQ(report.components, 3);
-  EXPECT_EQ(report.components_inward, 1);
+  EXPECT_EQ(report.cavities, 1);
   EXPECT_EQ(report.genus, 1);
   EXPECT_TRUE(report.outward());
   EXPECT_EQ(report.self_intersecting_faces, 0);

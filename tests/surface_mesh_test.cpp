@@ -227,21 +227,6 @@ TEST(SurfaceMesh, ComponentsAreCounted) {
   EXPECT_EQ(components.of_vertex, (std::vector<Index>{0, 0, 0, 0, 1, 1, 1, 1}));
 }
 
-TEST(TurnOutward, TurnsOnlyWhatIsInsideOut) {
-  SurfaceMesh mesh = torus_mesh(20, 10);
-  const SurfaceMesh outward = mesh;
-  turn_outward(mesh);
-  expect_same_mesh(mesh, outward);
-  std::vector<Triangle> turned = outward.triangles();
-  for (Triangle& t : turned) std::swap(t[0], t[1]);
-  mesh = SurfaceMesh::from_triangles(outward.position, turned);
-  const double volume = signed_volume(mesh);
-  EXPECT_LT(volume, 0.0);
-  turn_outward(mesh);
-  expect_closed_manifold(mesh, 1, 1);
-  EXPECT_NEAR(signed_volume(mesh), -volume, 1e-12);
-}
-
 TEST(RoundToHost, LeavesWhatSinglePrecisionHolds) {
   Frame frame;
   frame.center = Vec3(1234.5, -77.0, 0.25);

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "bodies.h"
 #include "retile.h"
 #include "snap_and_insert.h"
 
@@ -39,7 +40,9 @@ CompleteMatching match_samples(SurfaceMesh parametric, const PointCloud& cloud,
           ? retile(std::move(parametric), cloud, options, progress)
           : snap_and_insert(std::move(parametric), cloud, options, progress);
   check_matching(matching, cloud.size());
-  turn_outward(matching.mesh);
+  const bool may_be_open = options.openings != CompleteMatchingOptions::Openings::close;
+  turn_outward(matching.mesh, may_be_open ? matching.spanning_faces : std::vector<Index>(),
+               progress);
   progress.update(1.0);
   return matching;
 }

@@ -58,7 +58,8 @@ struct CompleteMatching {
 
 /// Makes the complete matching from a parametric surface. The mesh is a closed 2-manifold after
 /// every operation. Post: every sample is exactly one vertex; the topology is that of the surface,
-/// but for components that hold no sample. Throws ReconstructionFailed otherwise, InvalidInput if
+/// but for components that hold no sample; bodies are the right side out unless they may be left
+/// open. Throws ReconstructionFailed otherwise, InvalidInput if
 /// the surface has no faces. O(N log N), for retile O(N) but for the tree search; parallel, the
 /// same for any number of threads.
 CompleteMatching match_samples(SurfaceMesh parametric, const PointCloud& cloud,

@@ -372,7 +372,6 @@ EdgeOptimisationReport optimise_edges(SurfaceMesh& mesh, const EdgeOptimisationO
     progress.set_range(flipped, 1.0);
     report.flips += flip_all(mesh, criterion, blocks, fixed_faces, progress);
   }
-  turn_outward(mesh);
   progress.update(1.0);
   return report;
 }

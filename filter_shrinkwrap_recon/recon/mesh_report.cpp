@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 
+#include "bodies.h"
 #include "buckets.h"
 #include "coordinate_matches.h"
 #include "disjoint_sets.h"
@@ -230,16 +232,12 @@ double volume_under(const std::vector<Vec3>& positions, const Triangle& t, doubl
   return std::isfinite(volume) ? volume : 0.0;
 }
 
-// Sums the volume of every component, in the order of the faces.
+// Of a closed mesh. Sums the volume of every component, in the order of the faces.
 void measure_volume(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles,
-                    const Components& components, const std::vector<BorderEdge>& border,
-                    MeshReport& report, Progress& progress) {
+                    const Components& components, MeshReport& report, Progress& progress) {
   const Index faces = static_cast<Index>(triangles.size());
-  const auto finite =
-      std::find_if(positions.begin(), positions.end(), [](const Vec3& p) { return p.allFinite(); });
   const int exponent = moderating_exponent(positions);
   const double scale = std::ldexp(1.0, exponent);
-  const Vec3 apex = finite != positions.end() ? Vec3(scale * *finite) : Vec3(Vec3::Zero());
   // Block by block; most blocks lie in one component.
   struct Part {
     Index component;
@@ -250,22 +248,20 @@ void measure_volume(const std::vector<Vec3>& positions, const std::vector<Triang
         for (Index f = begin; f < end; ++f) {
           const Index component = components.of_face[f];
           if (some.empty() || some.back().component != component) some.push_back({component, 0.0});
+          // Of its own: the volume of a small one far from the others is small too.
+          const Vec3 apex = scale * positions[triangles[component][0]];
           some.back().volume += volume_under(positions, triangles[f], scale, apex) / 6.0;
         }
       });
   std::vector<double> volume(triangles.size(), 0.0);
-  std::vector<char> component_is_open(triangles.size(), 0);
-  for (const BorderEdge& edge : border) component_is_open[components.of_face[edge.face]] = 1;
   for (const Part& part : parts) volume[part.component] += part.volume;
-  double sum = 0.0;
-  for (Index f = 0; f < faces; ++f) {
-    if (components.of_face[f] != f) continue;
-    sum += volume[f];
-    if (!component_is_open[f] && volume[f] < 0.0) ++report.components_inward;
-  }
-  if (!report.closed()) return;
+  const double sum = std::accumulate(volume.begin(), volume.end(), 0.0);
   report.volume = std::ldexp(sum, -3 * exponent);
   report.volume_is_positive = sum > 0.0;
+  const ComponentSides sides =
+      find_sides(positions, triangles, components.of_face, volume, progress);
+  report.cavities = static_cast<Index>(sides.cavities.size());
+  report.components_inside_out = static_cast<Index>(sides.inside_out.size());
 }
 
 // Everything but the samples and self-intersections.
@@ -295,7 +291,7 @@ void measure_topology(const UsedMesh& mesh, MeshReport& report, Progress& progre
     report.genus = report.components - euler / 2;
   }
   progress.set_range(0.3, 0.35);
-  measure_volume(mesh.position, mesh.triangle, components, counts.border, report, progress);
+  if (report.closed()) measure_volume(mesh.position, mesh.triangle, components, report, progress);
 }
 
 std::string counted(Index count, const char* singular, const char* plural) {
@@ -367,9 +363,10 @@ std::vector<std::string> describe(const MeshReport& report) {
   std::string closed = "Closed: " + borders.or_else(report.faces > 0 ? "yes" : "no faces");
   if (report.closed()) {
     closed += ", volume " + short_number(report.volume);
-    if (report.components_inward > 0)
+    if (report.cavities > 0) closed += ", " + counted(report.cavities, "cavity", "cavities");
+    if (report.components_inside_out > 0)
       closed +=
-          ", " + counted(report.components_inward, "component", "components") + " oriented inwards";
+          ", " + counted(report.components_inside_out, "component", "components") + " inside out";
   }
   lines.push_back(closed);
 

@@ -18,12 +18,12 @@ struct MeshReport {
   Index degenerate_faces = 0;  ///< repeated vertex
   Index border_edges = 0;      ///< edges of one face
   Index border_loops = 0;
-  Index nonmanifold_edges = 0;     ///< edges of more than two faces
-  Index nonmanifold_vertices = 0;  ///< vertices whose faces are not one fan
-  Index misoriented_edges = 0;     ///< edges whose two faces run along them in the same direction
-  Index components = 0;            ///< by edges
-  Index components_inward =
-      0;  ///< closed components of negative volume (cavities are rightly among them)
+  Index nonmanifold_edges = 0;      ///< edges of more than two faces
+  Index nonmanifold_vertices = 0;   ///< vertices whose faces are not one fan
+  Index misoriented_edges = 0;      ///< edges whose two faces run along them in the same direction
+  Index components = 0;             ///< by edges
+  Index cavities = 0;               ///< of a closed mesh: see bodies.h
+  Index components_inside_out = 0;  ///< of a closed mesh
   Index genus =
       -1;  ///< summed over components; -1 unless manifold (openings are counted as capped)
   double volume = 0.0;                 ///< signed, of a closed mesh; may under- or overflow

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <new>
 
+#include "bodies.h"
 #include "bounding_box_start.h"
 #include "finish_matching.h"
 #include "freed_memory.h"
@@ -234,10 +235,12 @@ void keep_better(Reconstruction& first, Reconstruction& second, const SecondAtte
 
 // If the first attempt has faults, makes `second` by `make`, of the same samples, and keeps the
 // better of the two. There is a mesh already: that the second cannot be finished is no failure of
-// the run. A cloud most of whose faces are at fault shows no surface, and is left at that.
+// the run. A cloud most of whose faces are at fault shows no surface, and is left at that. Of one
+// surface both have the genus, whatever openings then cut off.
 template <class Make>
 void try_again(Reconstruction& first, Reconstruction& second, Index samples,
-               SecondAttempt Reconstruction::*which, Progress& progress, const Make& make) {
+               SecondAttempt Reconstruction::*which, bool is_same_surface, Progress& progress,
+               const Make& make) {
   SecondAttempt attempt;
   attempt.faults_before = faults_of(first, samples);
   const Index faces = static_cast<Index>(first.mesh.triangles.size());
@@ -257,7 +260,7 @@ void try_again(Reconstruction& first, Reconstruction& second, Index samples,
           check_promise(second.mesh, second.mesh.position, kNone, promise, progress);
       const MeshReport before =
           measure_mesh(first.mesh.position, first.mesh.triangles, {}, promise.report, progress);
-      attempt.is_taken = report.genus <= before.genus;
+      attempt.is_taken = is_same_surface || report.genus <= before.genus;
     }
     attempt.faults = faults;
     attempt.is_finished = true;
@@ -290,7 +293,7 @@ void match_sheets(SurfaceMesh parametric, PointCloud& cloud, const std::vector<V
   options.complete_matching.backs_are_openings = true;
   options.outliers.foot = 0.0;  // as many samples as the first attempt
   const ProgressShare share(progress, kFirst * end, kFirst * end + 1.0 - kFirst);
-  try_again(result, second, cloud.size(), &Reconstruction::backs, progress, [&] {
+  try_again(result, second, cloud.size(), &Reconstruction::backs, true, progress, [&] {
     StageLog second_log(second, options);
     match(std::move(parametric), cloud, points, options, second, second_log, progress);
   });
@@ -330,7 +333,7 @@ void match_twice(PointCloud& cloud, const std::vector<Vec3>& points, const Noise
   // Without noise it does little for vertices that are no samples, which close openings.
   if (!is_noisy && result.intersection_repair.persistent_faces() == 0) return;
   const ProgressShare share(progress, of_first, 1.0);
-  try_again(result, second, cloud.size(), &Reconstruction::smoothing, progress,
+  try_again(result, second, cloud.size(), &Reconstruction::smoothing, false, progress,
             [&] { match_smoothed(cloud, points, noise, options, second, progress); });
 }
 
@@ -475,6 +478,7 @@ ResultMesh stop_at(FittedSurface& fitted, const PointCloud& cloud,
         "nothing but openings: no part of the surface has samples on its outer side. Close the "
         "openings in place of leaving them open.");
   if (!dropped.empty()) round_to_host(surface, cloud.frame, options.host_scalar);
+  turn_outward(surface, dropped, progress);
   ResultMesh mesh = to_result(surface, cloud.frame, progress);
   drop_faces(mesh, dropped, progress);
   mesh.face_quality = spanning_lengths(mesh, indices_after_drop(openings.spanning_faces, dropped),
@@ -524,8 +528,10 @@ OptimisedMesh optimise_matching(CompleteMatching& matching, const PointCloud& cl
     repair = std::move(finish.repair);
     result.removed_extra = finish.removed_extra;
   }
-  progress.set_part(0.8, 1.0);
+  progress.set_part(0.8, 0.85);
   const std::vector<Index>& dropped = matching.opening_faces;
+  turn_outward(matching.mesh, dropped, progress);
+  progress.set_part(0.85, 1.0);
   result.extra_vertices = extra_vertices_kept(matching.mesh, cloud.size(), dropped);
   result.mesh = to_result(matching, cloud, points, progress);
   drop_faces(result.mesh, dropped, progress);

@@ -472,13 +472,6 @@ double signed_volume(const SurfaceMesh& mesh) {
   return six_fold / 6.0;
 }
 
-void turn_outward(SurfaceMesh& mesh) {
-  if (signed_volume(mesh) >= 0.0) return;
-  std::vector<Triangle> triangles = mesh.triangles();
-  for (Triangle& triangle : triangles) std::swap(triangle[1], triangle[2]);
-  mesh = SurfaceMesh::from_triangles(std::move(mesh.position), triangles);
-}
-
 void round_to_host(SurfaceMesh& mesh, const Frame& frame, HostScalar scalar) {
   Progress silent;
   parallel_for_each(mesh.vertex_slots(), kGrain, silent, [&](Index v) {

@@ -203,9 +203,6 @@ SurfaceMesh kept_components(const SurfaceMesh& mesh, const MeshComponents& compo
 /// Volume that a closed mesh encloses; positive if its faces are oriented outwards. O(F), parallel,
 /// the same for any number of threads.
 double signed_volume(const SurfaceMesh& mesh);
-/// Turns every face if the mesh encloses a negative volume: a few samples leave both sides alike to
-/// the stages, and one may come out as the inside of the other. Faces keep their indices.
-void turn_outward(SurfaceMesh& mesh);
 
 /// Rounds every vertex as a trip through a host layer of that scalar would (see HostScalar).
 void round_to_host(SurfaceMesh& mesh, const Frame& frame, HostScalar scalar);

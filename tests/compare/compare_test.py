@@ -56,7 +56,7 @@ Mesh Surface Area is 1.5
 Mesh Volume  is -0.25
 Mesh: 10 vertices, 24 edges, 16 faces, 1 component
 2-manifold: yes, genus 0
-Closed: yes, volume -0.25, 1 component oriented inwards
+Closed: yes, volume -0.25, 1 component inside out
 Self-intersections: none
 Complete matching: 0 of 7 samples matched exactly; 7 samples are no vertex, 10 vertices are no sample
 Values w.r.t. BBox Diag (4.000000)

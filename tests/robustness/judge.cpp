@@ -141,6 +141,8 @@ Judgement judge(const std::vector<Vec3>& points, const std::vector<Index>& left_
     const IntersectingFaces faces = count_intersecting_faces(mesh);
     judgement.intersecting = faces.intersecting;
     judgement.degenerate = faces.degenerate;
+    if (faces.intersecting + faces.degenerate == 0 && judgement.components > 1)
+      judgement.outward = judgement.outward && bounds_a_volume(mesh);
   }
   return judgement;
 }

@@ -1,5 +1,6 @@
-// Self-intersections by CGAL, in a file of their own because they take long to compile.
+// What CGAL says of a mesh, in a file of its own because it takes long to compile.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/orientation.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Surface_mesh.h>
 
@@ -10,12 +11,13 @@
 #include "judge.h"
 
 namespace shrinkwrap::robustness {
+namespace {
 
-IntersectingFaces count_intersecting_faces(const ResultMesh& mesh) {
-  using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-  using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
-  using Face = Mesh::Face_index;
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
+using Face = Mesh::Face_index;
 
+Mesh to_cgal(const ResultMesh& mesh) {
   Mesh surface;
   std::vector<Mesh::Vertex_index> vertices;
   vertices.reserve(mesh.position.size());
@@ -23,7 +25,13 @@ IntersectingFaces count_intersecting_faces(const ResultMesh& mesh) {
   for (const auto& [a, b, c] : mesh.triangles)
     surface.add_face(vertices[static_cast<std::size_t>(a)], vertices[static_cast<std::size_t>(b)],
                      vertices[static_cast<std::size_t>(c)]);
+  return surface;
+}
 
+}  // namespace
+
+IntersectingFaces count_intersecting_faces(const ResultMesh& mesh) {
+  const Mesh surface = to_cgal(mesh);
   std::vector<std::pair<Face, Face>> pairs;
   CGAL::Polygon_mesh_processing::self_intersections(surface, std::back_inserter(pairs));
   // A degenerate face is paired with itself.
@@ -36,6 +44,10 @@ IntersectingFaces count_intersecting_faces(const ResultMesh& mesh) {
     faces.insert(g);
   }
   return {static_cast<Index>(faces.size()), static_cast<Index>(degenerate.size())};
+}
+
+bool bounds_a_volume(const ResultMesh& mesh) {
+  return CGAL::Polygon_mesh_processing::does_bound_a_volume(to_cgal(mesh));
 }
 
 }  // namespace shrinkwrap::robustness

@@ -1,0 +1,176 @@
+#include "bodies.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "exact_predicates.h"
+#include "parallel.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr Index kGrain = 1 << 13;
+
+// A point of a component, from which a ray runs along the x axis.
+struct Probe {
+  Vec3 position;
+  Index component;
+};
+
+// A ray leaves the solid of another component (1), or enters it (-1).
+struct Crossing {
+  Index probe, component;
+  int sign;
+};
+
+// Whether the projection of p along the x axis lies to the left of the edge, of which the other
+// face of the edge thinks the same.
+int side_of_edge(const std::vector<Vec3>& position, Index from, Index to, const Vec3& p) {
+  const int side = orientation_sign_2d(position[from], position[to], p, 0);
+  if (side != 0) return side;
+  return from < to ? 1 : -1;
+}
+
+int crossing_sign(const std::vector<Vec3>& position, const Triangle& t, const Vec3& p) {
+  const int side = side_of_edge(position, t[0], t[1], p);
+  if (side_of_edge(position, t[1], t[2], p) != side ||
+      side_of_edge(position, t[2], t[0], p) != side)
+    return 0;
+  // Ahead of the ray if p lies behind a face that looks forwards, or before one that looks back.
+  return orientation_sign(position[t[0]], position[t[1]], position[t[2]], p) == -side ? side : 0;
+}
+
+// One for each component that is to be judged, on its first face of finite corners.
+std::vector<Probe> probes_of(const std::vector<Vec3>& position,
+                             const std::vector<Triangle>& triangles,
+                             const std::vector<Index>& component_of_face,
+                             const std::vector<double>& volume) {
+  std::vector<char> is_wanted(volume.size());
+  std::transform(volume.begin(), volume.end(), is_wanted.begin(),
+                 [](double v) { return v != 0.0; });
+  std::vector<Probe> probes;
+  for (std::size_t f = 0; f < triangles.size(); ++f) {
+    const Index component = component_of_face[f];
+    if (!is_wanted[component]) continue;
+    const Triangle& t = triangles[f];
+    // Of no simple ratio, so that the ray of a regular mesh runs through no edge of it.
+    const Vec3 p = 0.2360679775 * position[t[0]] + 0.3090169944 * position[t[1]] +
+                   0.4549150281 * position[t[2]];
+    if (!p.allFinite()) continue;
+    is_wanted[component] = 0;
+    probes.push_back({p, component});
+  }
+  std::sort(probes.begin(), probes.end(), [](const Probe& a, const Probe& b) {
+    return a.position.y() != b.position.y() ? a.position.y() < b.position.y()
+                                            : a.component < b.component;
+  });
+  return probes;
+}
+
+// Of the rays of all probes, sorted along y, with the faces of other components.
+std::vector<Crossing> find_crossings(const std::vector<Probe>& probes,
+                                     const std::vector<Vec3>& position,
+                                     const std::vector<Triangle>& triangles,
+                                     const std::vector<Index>& component_of_face,
+                                     Progress& progress) {
+  return parallel_collect<Crossing>(
+      static_cast<Index>(triangles.size()), kGrain, progress,
+      [&](Index begin, Index end, std::vector<Crossing>& some) {
+        for (Index f = begin; f < end; ++f) {
+          const Triangle& t = triangles[f];
+          const Vec3 &a = position[t[0]], &b = position[t[1]], &c = position[t[2]];
+          if (!a.allFinite() || !b.allFinite() || !c.allFinite()) continue;
+          const Vec3 low = a.cwiseMin(b).cwiseMin(c), high = a.cwiseMax(b).cwiseMax(c);
+          auto probe =
+              std::lower_bound(probes.begin(), probes.end(), low.y(),
+                               [](const Probe& other, double y) { return other.position.y() < y; });
+          for (; probe != probes.end() && probe->position.y() <= high.y(); ++probe) {
+            const Vec3& p = probe->position;
+            if (p.z() < low.z() || p.z() > high.z() || p.x() > high.x() ||
+                component_of_face[f] == probe->component)
+              continue;
+            const int sign = crossing_sign(position, t, p);
+            if (sign != 0)
+              some.push_back(
+                  {static_cast<Index>(probe - probes.begin()), component_of_face[f], sign});
+          }
+        }
+      });
+}
+
+std::vector<double> volumes_of(const std::vector<Vec3>& position,
+                               const std::vector<Triangle>& triangles,
+                               const std::vector<Index>& component_of_face, Index components) {
+  std::vector<double> volume(static_cast<std::size_t>(components), 0.0);
+  // From a vertex of their own: a small component far from the others has a small volume too.
+  std::vector<Index> apex(static_cast<std::size_t>(components), kNone);
+  for (std::size_t f = 0; f < triangles.size(); ++f) {
+    const Triangle& t = triangles[f];
+    Index& own = apex[component_of_face[f]];
+    if (own == kNone) own = t[0];
+    const Vec3 a = position[t[0]] - position[own], b = position[t[1]] - position[own],
+               c = position[t[2]] - position[own];
+    volume[component_of_face[f]] += a.dot(b.cross(c)) / 6.0;
+  }
+  return volume;
+}
+
+}  // namespace
+
+ComponentSides find_sides(const std::vector<Vec3>& position, const std::vector<Triangle>& triangles,
+                          const std::vector<Index>& component_of_face,
+                          const std::vector<double>& volume, Progress& progress) {
+  ComponentSides sides;
+  const std::vector<Probe> probes = probes_of(position, triangles, component_of_face, volume);
+  std::vector<Crossing> crossings;
+  if (probes.size() > 1)
+    crossings = find_crossings(probes, position, triangles, component_of_face, progress);
+  const auto by_probe = [](const Crossing& a, const Crossing& b) { return a.probe < b.probe; };
+  std::sort(crossings.begin(), crossings.end(), by_probe);
+  // What encloses a component has a greater volume than it.
+  std::vector<Index> outer_first(probes.size());
+  std::iota(outer_first.begin(), outer_first.end(), 0);
+  const auto size = [&](Index i) { return std::abs(volume[probes[i].component]); };
+  std::stable_sort(outer_first.begin(), outer_first.end(),
+                   [&](Index a, Index b) { return size(a) > size(b); });
+  std::vector<char> is_turned(volume.size(), 0);
+  for (const Index i : outer_first) {
+    const auto [first, last] =
+        std::equal_range(crossings.begin(), crossings.end(), Crossing{i, 0, 0}, by_probe);
+    int winding = 0;
+    for (auto crossing = first; crossing != last; ++crossing)
+      winding += is_turned[crossing->component] ? -crossing->sign : crossing->sign;
+    const Index component = probes[i].component;
+    const bool is_cavity = winding > 0;
+    is_turned[component] = is_cavity != (volume[component] < 0.0);
+    if (is_cavity) sides.cavities.push_back(component);
+    if (is_turned[component]) sides.inside_out.push_back(component);
+  }
+  std::sort(sides.cavities.begin(), sides.cavities.end());
+  std::sort(sides.inside_out.begin(), sides.inside_out.end());
+  return sides;
+}
+
+Index turn_outward(SurfaceMesh& mesh, const std::vector<Index>& opening_faces, Progress& progress) {
+  const MeshComponents components = connected_components(mesh, progress);
+  std::vector<Triangle> triangles = mesh.triangles();
+  std::vector<Index> component_of_face(triangles.size());
+  for (std::size_t f = 0; f < triangles.size(); ++f)
+    component_of_face[f] = components.of_vertex[triangles[f][0]];
+  std::vector<double> volume =
+      volumes_of(mesh.position, triangles, component_of_face, components.count);
+  for (const Index f : opening_faces) volume[component_of_face[f]] = 0.0;
+
+  const std::vector<Index> inside_out =
+      find_sides(mesh.position, triangles, component_of_face, volume, progress).inside_out;
+  if (inside_out.empty()) return 0;
+  std::vector<char> is_turned(volume.size(), 0);
+  for (const Index component : inside_out) is_turned[component] = 1;
+  for (std::size_t f = 0; f < triangles.size(); ++f)
+    if (is_turned[component_of_face[f]]) std::swap(triangles[f][1], triangles[f][2]);
+  mesh = SurfaceMesh::from_triangles(std::move(mesh.position), triangles, progress);
+  return static_cast<Index>(inside_out.size());
+}
+
+}  // namespace shrinkwrap
