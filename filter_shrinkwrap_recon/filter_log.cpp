@@ -27,7 +27,12 @@ std::string table_row(const std::string& stage, Index vertices, double seconds) 
 std::string conditioning_line(const ConditioningReport& report, double spacing) {
   return std::to_string(report.given) + " points: " + std::to_string(report.not_finite) +
          " not finite and " + std::to_string(report.duplicates) + " duplicates left out; " +
-         std::to_string(report.distinct) + " samples, median spacing " + formatted("%.6g", spacing);
+         std::to_string(report.distinct) + " samples, median spacing " +
+         formatted("%.6g", spacing) +
+         (report.neighbours_across_lines > 0
+              ? "; they lie on lines: " + std::to_string(report.neighbours_across_lines) +
+                    " neighbours each, to see across"
+              : "");
 }
 
 std::string verdict_of(const MeshReport& report) {
@@ -37,8 +42,10 @@ std::string verdict_of(const MeshReport& report) {
     text += " 2-manifold of genus " + std::to_string(report.genus);
   else
     text += ", NOT a 2-manifold";
-  text += ", " + count_of(report.components, "component") + "; " +
-          std::to_string(report.samples_matched) + " of " + std::to_string(report.samples) +
+  text += ", " + count_of(report.components, "component");
+  if (report.components_inside_out > 0)
+    text += " (" + std::to_string(report.components_inside_out) + " inside out)";
+  text += "; " + std::to_string(report.samples_matched) + " of " + std::to_string(report.samples) +
           " samples matched";
   if (report.vertices_extra > 0)
     text +=

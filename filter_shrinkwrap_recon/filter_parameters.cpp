@@ -183,8 +183,9 @@ Parameter neighbours() {
   return advanced(number(Kind::integer, kNeighbours, "Neighbours (samples)", 16, 6, 64,
                          "Nearest samples from which spacing and normal of a sample are taken. "
                          "Raised: steadier on noisy clouds, blurs thin walls and sharp edges. "
-                         "Lowered: finer detail, less steady (12 already loses thin walls). Unit: "
-                         "samples; range 6 to 64."));
+                         "Lowered: finer detail, less steady (12 already loses thin walls). Scan "
+                         "lines far apart are given more by themselves. Unit: samples; range 6 to "
+                         "64."));
 }
 
 Parameter repair_intersections() {

@@ -6,6 +6,7 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -130,6 +131,26 @@ TEST(Bodies, TheHoleOfARingIsOutside) {
   nest.add_ball(0.1, Vec3::Zero(), true);
   nest.add_ball(0.05, Vec3(0, 0, 0.3), true);
   EXPECT_EQ(nest.sides().inside_out, (Indices{1, 2}));
+}
+
+TEST(Bodies, RaysAlongFacesCountOnce) {
+  // Balls cut off at the height of the same lattice planes, in rows along the rays: these run in
+  // the planes of their caps.
+  SurfaceMesh ball = icosphere(3);
+  for (Vec3& p : ball.position)
+    for (int axis = 0; axis < 3; ++axis)
+      p[axis] = std::clamp(std::round(8.0 * p[axis]) / 8.0, -0.5, 0.5);
+  Nest nest, turned;
+  Indices all;
+  for (int i = 0; i < 27; ++i) {
+    const Vec3 centre(3 * (i % 3), 3 * (i / 3 % 3), 3 * (i / 9));
+    nest.add(ball, 1.0, centre);
+    turned.add(ball, 1.0, centre, true);
+    all.push_back(i);
+  }
+  EXPECT_TRUE(nest.sides().inside_out.empty());
+  EXPECT_TRUE(nest.sides().cavities.empty());
+  EXPECT_EQ(turned.sides().inside_out, all);
 }
 
 TEST(Bodies, RaysThroughVerticesAndEdgesCountOnce) {

@@ -24,21 +24,21 @@ struct Crossing {
   int sign;
 };
 
-// Whether the projection of p along the x axis lies to the left of the edge, of which the other
-// face of the edge thinks the same.
-int side_of_edge(const std::vector<Vec3>& position, Index from, Index to, const Vec3& p) {
-  const int side = orientation_sign_2d(position[from], position[to], p, 0);
+// On which side of an edge, seen along the x axis, p lies: 1 is left. In doubt that of a point
+// beside it, which is the same one for all edges: a little farther along y, and less than that
+// along z. 0: the edge is a point.
+int side_of_edge(const Vec3& from, const Vec3& to, const Vec3& p) {
+  const int side = orientation_sign_2d(from, to, p, 0);
   if (side != 0) return side;
-  return from < to ? 1 : -1;
+  if (from.z() != to.z()) return from.z() > to.z() ? 1 : -1;
+  return from.y() == to.y() ? 0 : from.y() < to.y() ? 1 : -1;
 }
 
-int crossing_sign(const std::vector<Vec3>& position, const Triangle& t, const Vec3& p) {
-  const int side = side_of_edge(position, t[0], t[1], p);
-  if (side_of_edge(position, t[1], t[2], p) != side ||
-      side_of_edge(position, t[2], t[0], p) != side)
-    return 0;
+int crossing_sign(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
+  const int side = side_of_edge(a, b, p);
+  if (side == 0 || side_of_edge(b, c, p) != side || side_of_edge(c, a, p) != side) return 0;
   // Ahead of the ray if p lies behind a face that looks forwards, or before one that looks back.
-  return orientation_sign(position[t[0]], position[t[1]], position[t[2]], p) == -side ? side : 0;
+  return orientation_sign(a, b, c, p) == -side ? side : 0;
 }
 
 // One for each component that is to be judged, on its first face of finite corners.
@@ -54,7 +54,6 @@ std::vector<Probe> probes_of(const std::vector<Vec3>& position,
     const Index component = component_of_face[f];
     if (!is_wanted[component]) continue;
     const Triangle& t = triangles[f];
-    // Of no simple ratio, so that the ray of a regular mesh runs through no edge of it.
     const Vec3 p = 0.2360679775 * position[t[0]] + 0.3090169944 * position[t[1]] +
                    0.4549150281 * position[t[2]];
     if (!p.allFinite()) continue;
@@ -90,7 +89,7 @@ std::vector<Crossing> find_crossings(const std::vector<Probe>& probes,
             if (p.z() < low.z() || p.z() > high.z() || p.x() > high.x() ||
                 component_of_face[f] == probe->component)
               continue;
-            const int sign = crossing_sign(position, t, p);
+            const int sign = crossing_sign(a, b, c, p);
             if (sign != 0)
               some.push_back(
                   {static_cast<Index>(probe - probes.begin()), component_of_face[f], sign});

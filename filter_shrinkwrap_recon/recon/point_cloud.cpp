@@ -228,8 +228,12 @@ PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions&
 
   progress.set_range(0.3, 0.35);
   cloud.search = VoxelSearch(cloud.position, progress);
-  progress.set_range(0.35, 1.0);
-  measure_neighbourhoods(cloud, options.neighbours, progress);
+  progress.set_range(0.35, 0.4);
+  const int neighbours = neighbours_across_lines(cloud.position, cloud.search, options.neighbours,
+                                                 options.scan_lines, progress);
+  if (neighbours != options.neighbours) cloud.conditioning.neighbours_across_lines = neighbours;
+  progress.set_range(0.4, 1.0);
+  measure_neighbourhoods(cloud, neighbours, progress);
   return cloud;
 }
 

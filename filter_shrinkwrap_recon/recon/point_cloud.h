@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "progress.h"
+#include "scan_lines.h"
 #include "types.h"
 #include "voxel_search.h"
 
@@ -18,11 +19,15 @@ struct ConditioningReport {
   std::size_t duplicates =
       0;  ///< points at the coordinates of an earlier one (-0 equals 0), left out
   std::size_t distinct = 0;  ///< samples: given - not_finite - duplicates
+  /// Neighbours per sample in place of those asked for, which lie on lines; 0: as asked for.
+  int neighbours_across_lines = 0;
 };
 
 struct SampleOptions {
   /// Neighbours per sample, the sample itself among them (12 loses thin CAD walls, 16 keeps them).
+  /// Where they would lie on one line, there are more: see scan_lines.h.
   int neighbours = 16;
+  ScanLineOptions scan_lines;
 };
 
 /// An oriented plane near a sample: the point of the local surface and its unit normal (float: a
@@ -40,7 +45,7 @@ class PointCloud {
   ConditioningReport conditioning;
   std::vector<Vec3> position;        ///< unit frame
   std::vector<Index> input_index;    ///< of each sample in the caller's array
-  int neighbour_count = 0;           ///< k: min(SampleOptions::neighbours, N)
+  int neighbour_count = 0;           ///< k: at least min(SampleOptions::neighbours, N)
   std::vector<Index> neighbour;      ///< k per sample, nearest first; entry 0 is the sample itself
   std::vector<float> local_spacing;  ///< s_i = sqrt(pi/(k-1)) * distance to the k-th neighbour
   double spacing = 0.0;              ///< s: median of local_spacing

@@ -414,6 +414,7 @@ HostScalar host_scalar_for(const std::vector<Vec3>& points, const Reconstruction
 CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
                               Progress& progress) {
   CloudReport report;
+  options.samples.neighbours = cloud.neighbour_count;  // more, if they would lie on lines
   const bool may_smooth = options.stop_at_parametric_surface && is_robust(options);
   if (may_smooth) {
     progress.begin(Stage::orientation);

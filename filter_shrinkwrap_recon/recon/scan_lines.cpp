@@ -1,0 +1,70 @@
+#include "scan_lines.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+
+#include "parallel.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr Index kProbes = 2000;
+constexpr Index kGrain = 64;
+constexpr int kLeastParts = 4;    // neighbourhoods are no larger parts of the cloud
+constexpr double kVolume = 0.5;   // thickness, x the width, of what is no surface either
+constexpr double kMostOff = 0.5;  // of the neighbourhoods, that may be none
+
+struct Shapes {
+  double lines = 0.0, volumes = 0.0;  // parts of all neighbourhoods
+};
+
+Shapes shapes_of(const std::vector<Vec3>& points, const VoxelSearch& search, int neighbours,
+                 const ScanLineOptions& options, Progress& progress) {
+  const Index count = static_cast<Index>(points.size());
+  const Index stride = std::max<Index>(count / kProbes, 1);
+  const Index probes = (count + stride - 1) / stride;
+  std::vector<char> is_line(static_cast<std::size_t>(probes)), is_volume(is_line.size());
+  parallel_blocks(probes, kGrain, progress, [&](Index, Index begin, Index end) {
+    std::vector<VoxelSearch::Hit> hits;
+    for (Index i = begin; i < end; ++i) {
+      search.k_nearest(points[i * stride], neighbours, hits);
+      Vec3 mean = Vec3::Zero();
+      for (const VoxelSearch::Hit& hit : hits) mean += points[hit.index];
+      mean /= static_cast<double>(hits.size());
+      Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+      for (const VoxelSearch::Hit& hit : hits) {
+        const Vec3 offset = points[hit.index] - mean;
+        scatter += offset * offset.transpose();
+      }
+      const Vec3 squared =
+          Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter, Eigen::EigenvaluesOnly)
+              .eigenvalues();  // ascending
+      const auto is_thin = [](double across, double along, double limit) {
+        return across < limit * limit * along;
+      };
+      is_line[i] = is_thin(squared[1], squared[2], options.thinness);
+      is_volume[i] = !is_thin(squared[0], squared[1], kVolume);
+    }
+  });
+  const auto part = [&](const std::vector<char>& is) {
+    return static_cast<double>(std::count(is.begin(), is.end(), 1)) / static_cast<double>(probes);
+  };
+  return {part(is_line), part(is_volume)};
+}
+
+}  // namespace
+
+int neighbours_across_lines(const std::vector<Vec3>& points, const VoxelSearch& search,
+                            int neighbours, const ScanLineOptions& options, Progress& progress) {
+  const int most =
+      std::min<int>(options.most_neighbours, static_cast<int>(points.size()) / kLeastParts);
+  if (neighbours > most) return neighbours;
+  for (int count = neighbours; count <= most; count *= 2) {
+    const Shapes shapes = shapes_of(points, search, count, options, progress);
+    if (shapes.lines > options.on_lines) continue;
+    return count == neighbours || shapes.volumes <= kMostOff ? count : neighbours;
+  }
+  return neighbours;
+}
+
+}  // namespace shrinkwrap
