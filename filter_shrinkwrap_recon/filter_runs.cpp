@@ -474,7 +474,7 @@ FilterOutcome run_filter(Filter filter, const FilterRequest& request, const Filt
   if (filter != Filter::reconstruct && filter != Filter::distance_to_samples)
     require_memory_for(
         std::max<std::uint64_t>(input.points.size(), growth * input.mesh.position.size()),
-        request.options.memory_limit);
+        request.options.memory_limit, request.options.samples.neighbours);
 
   const int threads = request.options.threads;
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);

@@ -19,6 +19,15 @@ TEST(MemoryEstimate, IsLinearInTheSamples) {
   EXPECT_EQ(estimated_peak_bytes(10'000'000) - base, 10 * million);
 }
 
+TEST(MemoryEstimate, NeighboursCount) {
+  EXPECT_EQ(estimated_peak_bytes(1000, 8), estimated_peak_bytes(1000));
+  EXPECT_EQ(estimated_peak_bytes(1000, 16), estimated_peak_bytes(1000));
+  const std::uint64_t needed = estimated_peak_bytes(1'000'000, 128);
+  EXPECT_GE(needed, std::uint64_t{1'001'000'000}) << "measured";
+  EXPECT_NO_THROW(require_memory_for(1'000'000, needed, 128));
+  EXPECT_THROW(require_memory_for(1'000'000, needed - 1, 128), InvalidInput);
+}
+
 TEST(MemoryEstimate, TenMillionSamplesFitIntoTwelveGibibytes) {
   EXPECT_LE(estimated_peak_bytes(10'000'000), 12 * kGibibyte);
   EXPECT_NO_THROW(require_memory_for(10'000'000, 12 * kGibibyte));

@@ -57,7 +57,7 @@ TEST(ScanLines, NeighboursReachTheLinesBeside) {
   EXPECT_EQ(neighbours_of(rings_of_torus(48, 14.0)), 64);
   EXPECT_EQ(neighbours_of(rings_of_torus(48, 30.0)), 128);
   EXPECT_EQ(neighbours_of(rings_of_torus(48, 8.0), 32), 32);
-  EXPECT_EQ(neighbours_of(rings_of_torus(48, 8.0), 20), 40);
+  EXPECT_EQ(neighbours_of(rings_of_torus(48, 10.0), 20), 40);
 }
 
 TEST(ScanLines, NoMoreNeighboursWhereTheyDoNotHelp) {

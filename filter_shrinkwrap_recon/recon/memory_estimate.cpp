@@ -1,5 +1,6 @@
 #include "memory_estimate.h"
 
+#include <algorithm>
 #include <fstream>
 #include <string>
 
@@ -9,6 +10,9 @@ namespace {
 // The most that was measured of closed shapes is 514 (complete matching, two threads) beside 24 for
 // the input, of sheets, whose matching may be made twice, 700.
 constexpr std::uint64_t kBytesPerSample = 700;
+// 4.2 for each neighbour beyond 16 (128, on scan lines: 1,001 in all).
+constexpr std::uint64_t kBytesPerNeighbour = 5;
+constexpr int kFewNeighbours = 16;
 constexpr std::uint64_t kBaseBytes = std::uint64_t{32} << 20;
 
 std::string in_gibibytes(std::uint64_t bytes) {
@@ -18,8 +22,9 @@ std::string in_gibibytes(std::uint64_t bytes) {
 
 }  // namespace
 
-std::uint64_t estimated_peak_bytes(std::uint64_t samples) {
-  return kBaseBytes + samples * kBytesPerSample;
+std::uint64_t estimated_peak_bytes(std::uint64_t samples, int neighbours) {
+  const std::uint64_t more = static_cast<std::uint64_t>(std::max(neighbours - kFewNeighbours, 0));
+  return kBaseBytes + samples * (kBytesPerSample + more * kBytesPerNeighbour);
 }
 
 std::uint64_t available_bytes() {
@@ -33,9 +38,9 @@ std::uint64_t available_bytes() {
   return 0;
 }
 
-void require_memory_for(std::uint64_t samples, std::uint64_t limit) {
+void require_memory_for(std::uint64_t samples, std::uint64_t limit, int neighbours) {
   const std::uint64_t available = limit > 0 ? limit : available_bytes();
-  const std::uint64_t needed = estimated_peak_bytes(samples);
+  const std::uint64_t needed = estimated_peak_bytes(samples, neighbours);
   if (available == 0 || needed <= available) return;
   throw InvalidInput(
       "reconstructing " + std::to_string(samples) + " points needs about " + in_gibibytes(needed) +

@@ -7,10 +7,10 @@
 
 namespace shrinkwrap {
 
-/// Peak memory of `reconstruct` for that many samples, in bytes: the input and result arrays and
-/// what the hungriest stage holds at once. Measured on random and on structured clouds, rounded up
-/// by a tenth; linear in `samples`.
-std::uint64_t estimated_peak_bytes(std::uint64_t samples);
+/// Peak memory of `reconstruct` for that many samples with so many neighbours each, in bytes: the
+/// input and result arrays and what the hungriest stage holds at once. Measured on random and on
+/// structured clouds, rounded up by a tenth; linear in `samples`.
+std::uint64_t estimated_peak_bytes(std::uint64_t samples, int neighbours = 16);
 
 /// Memory that the machine can still give without swapping, in bytes; 0 if the system does not
 /// tell.
@@ -19,6 +19,6 @@ std::uint64_t available_bytes();
 /// Throws InvalidInput, with both figures, if that many samples cannot fit.
 /// `limit`: bytes that may be used; 0 means what the machine has available (and no check where that
 /// is unknown).
-void require_memory_for(std::uint64_t samples, std::uint64_t limit = 0);
+void require_memory_for(std::uint64_t samples, std::uint64_t limit = 0, int neighbours = 16);
 
 }  // namespace shrinkwrap

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "bounding_box.h"
+#include "memory_estimate.h"
 #include "morton.h"
 #include "neighbourhoods.h"
 #include "parallel.h"
@@ -231,7 +232,10 @@ PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions&
   progress.set_range(0.35, 0.4);
   const int neighbours = neighbours_across_lines(cloud.position, cloud.search, options.neighbours,
                                                  options.scan_lines, progress);
-  if (neighbours != options.neighbours) cloud.conditioning.neighbours_across_lines = neighbours;
+  if (neighbours != options.neighbours) {
+    require_memory_for(cloud.input_index.size(), 0, neighbours);
+    cloud.conditioning.neighbours_across_lines = neighbours;
+  }
   progress.set_range(0.4, 1.0);
   measure_neighbourhoods(cloud, neighbours, progress);
   return cloud;

@@ -342,7 +342,8 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   Reconstruction result;
   StageLog log(result, options);
 
-  require_memory_for((options.keep_stages ? 2 : 1) * points.size(), options.memory_limit);
+  require_memory_for((options.keep_stages ? 2 : 1) * points.size(), options.memory_limit,
+                     options.samples.neighbours);
   options.host_scalar = host_scalar_for(points, options);
   PointCloud cloud = prepare_samples(points, options.samples, progress);
   result.conditioning = cloud.conditioning;

@@ -9,8 +9,8 @@
 namespace shrinkwrap {
 
 struct ScanLineOptions {
-  double thinness = 0.3;   ///< a neighbourhood is a line if it is thinner than this, x its length
-  double on_lines = 0.05;  ///< of the neighbourhoods: if no more of them are lines, all is well
+  double thinness = 0.2;  ///< a neighbourhood is a line if it is thinner than this, x its length
+  double on_lines = 0.3;  ///< of the neighbourhoods: if no more of them are lines, all is well
   int most_neighbours = 128;
 };
 
