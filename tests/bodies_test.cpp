@@ -180,6 +180,28 @@ TEST(Bodies, ComponentsLeftOpenKeepTheirSide) {
   expect_turned(nest, {1}, {nest.faces_of(0).front()});
 }
 
+TEST(Bodies, WhatAComponentLeftOpenEnclosesKeepsItsSide) {
+  for (const bool is_turned : {false, true}) {
+    Nest nest;
+    nest.add_ball(2.0, Vec3::Zero(), is_turned);
+    nest.add_ball(1.0, Vec3::Zero());
+    nest.add_ball(0.5, Vec3(0, 1.5, 0), true);
+    nest.add_ball(0.5, Vec3(0, 3, 0), true);
+    expect_turned(nest, {3}, {nest.faces_of(0).front()});
+  }
+}
+
+TEST(Bodies, WhatReachesBeyondABodyIsNoCavityOfIt) {
+  for (int i = 0; i < 20; ++i) {
+    const Vec3 direction(std::cos(i), std::sin(i), std::sin(3 * i));
+    Nest nest;
+    nest.add_ball(2.0, Vec3::Zero());
+    nest.add_ball(1.0, 3.0 * direction / direction.cwiseAbs().maxCoeff() * 0.5);
+    EXPECT_TRUE(nest.sides().cavities.empty());
+    expect_turned(nest, {});
+  }
+}
+
 TEST(Bodies, AreTheSameForAnyNumberOfThreads) {
   Nest nest;
   nest.add(icosphere(5), 60.0, Vec3::Zero());

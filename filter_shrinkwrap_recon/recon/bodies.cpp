@@ -1,5 +1,6 @@
 #include "bodies.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -16,6 +17,7 @@ constexpr Index kGrain = 1 << 13;
 struct Probe {
   Vec3 position;
   Index component;
+  Eigen::AlignedBox3d box;  // of the component
 };
 
 // A ray leaves the solid of another component (1), or enters it (-1).
@@ -58,7 +60,7 @@ std::vector<Probe> probes_of(const std::vector<Vec3>& position,
                    0.4549150281 * position[t[2]];
     if (!p.allFinite()) continue;
     is_wanted[component] = 0;
-    probes.push_back({p, component});
+    probes.push_back({p, component, {}});
   }
   std::sort(probes.begin(), probes.end(), [](const Probe& a, const Probe& b) {
     return a.position.y() != b.position.y() ? a.position.y() < b.position.y()
@@ -67,11 +69,13 @@ std::vector<Probe> probes_of(const std::vector<Vec3>& position,
   return probes;
 }
 
-// Of the rays of all probes, sorted along y, with the faces of other components.
+// Of the rays of all probes, sorted along y, with the faces of other components, but for those that
+// are too small to enclose them.
 std::vector<Crossing> find_crossings(const std::vector<Probe>& probes,
                                      const std::vector<Vec3>& position,
                                      const std::vector<Triangle>& triangles,
                                      const std::vector<Index>& component_of_face,
+                                     const std::vector<Index>& probe_of_component,
                                      Progress& progress) {
   return parallel_collect<Crossing>(
       static_cast<Index>(triangles.size()), kGrain, progress,
@@ -80,6 +84,7 @@ std::vector<Crossing> find_crossings(const std::vector<Probe>& probes,
           const Triangle& t = triangles[f];
           const Vec3 &a = position[t[0]], &b = position[t[1]], &c = position[t[2]];
           if (!a.allFinite() || !b.allFinite() || !c.allFinite()) continue;
+          const Index own = probe_of_component[component_of_face[f]];
           const Vec3 low = a.cwiseMin(b).cwiseMin(c), high = a.cwiseMax(b).cwiseMax(c);
           auto probe =
               std::lower_bound(probes.begin(), probes.end(), low.y(),
@@ -87,7 +92,8 @@ std::vector<Crossing> find_crossings(const std::vector<Probe>& probes,
           for (; probe != probes.end() && probe->position.y() <= high.y(); ++probe) {
             const Vec3& p = probe->position;
             if (p.z() < low.z() || p.z() > high.z() || p.x() > high.x() ||
-                component_of_face[f] == probe->component)
+                component_of_face[f] == probe->component ||
+                (own != kNone && !probes[own].box.contains(probe->box)))
               continue;
             const int sign = crossing_sign(a, b, c, p);
             if (sign != 0)
@@ -121,10 +127,18 @@ ComponentSides find_sides(const std::vector<Vec3>& position, const std::vector<T
                           const std::vector<Index>& component_of_face,
                           const std::vector<double>& volume, Progress& progress) {
   ComponentSides sides;
-  const std::vector<Probe> probes = probes_of(position, triangles, component_of_face, volume);
-  std::vector<Crossing> crossings;
-  if (probes.size() > 1)
-    crossings = find_crossings(probes, position, triangles, component_of_face, progress);
+  std::vector<Probe> probes = probes_of(position, triangles, component_of_face, volume);
+  std::vector<Index> probe_of_component(volume.size(), kNone);
+  for (std::size_t i = 0; i < probes.size(); ++i)
+    probe_of_component[probes[i].component] = static_cast<Index>(i);
+  for (std::size_t f = 0; f < triangles.size(); ++f) {
+    const Index probe = probe_of_component[component_of_face[f]];
+    if (probe == kNone) continue;
+    for (const Index v : triangles[f])
+      if (position[v].allFinite()) probes[probe].box.extend(position[v]);
+  }
+  std::vector<Crossing> crossings =
+      find_crossings(probes, position, triangles, component_of_face, probe_of_component, progress);
   const auto by_probe = [](const Crossing& a, const Crossing& b) { return a.probe < b.probe; };
   std::sort(crossings.begin(), crossings.end(), by_probe);
   // What encloses a component has a greater volume than it.
@@ -137,9 +151,14 @@ ComponentSides find_sides(const std::vector<Vec3>& position, const std::vector<T
   for (const Index i : outer_first) {
     const auto [first, last] =
         std::equal_range(crossings.begin(), crossings.end(), Crossing{i, 0, 0}, by_probe);
-    int winding = 0;
-    for (auto crossing = first; crossing != last; ++crossing)
-      winding += is_turned[crossing->component] ? -crossing->sign : crossing->sign;
+    int winding = 0, winding_of_unjudged = 0;
+    for (auto crossing = first; crossing != last; ++crossing) {
+      if (probe_of_component[crossing->component] == kNone)
+        winding_of_unjudged += crossing->sign;
+      else
+        winding += is_turned[crossing->component] ? -crossing->sign : crossing->sign;
+    }
+    if (winding_of_unjudged != 0) continue;
     const Index component = probes[i].component;
     const bool is_cavity = winding > 0;
     is_turned[component] = is_cavity != (volume[component] < 0.0);

@@ -16,8 +16,10 @@ struct ComponentSides {
 /// Looks from each component along a ray through the faces of all others: within their solid it is
 /// a cavity. Of a component that is inside out, the side counts that it should have.
 /// `component_of_face`: indices into `volume`, which is signed, and 0 for a component that is not
-/// to be judged. Both lists ascend. Where components meet one another the answer is a guess.
-/// O(F log C), parallel, the same for any number of threads. Pre: closed components.
+/// to be judged, and what such a component encloses is not either. Both lists ascend. Where
+/// components meet one another the answer is a guess, but what reaches beyond another is no cavity
+/// of it. O(F log C) unless many components lie in one row, parallel, the same for any number of
+/// threads. Pre: closed components.
 ComponentSides find_sides(const std::vector<Vec3>& position, const std::vector<Triangle>& triangles,
                           const std::vector<Index>& component_of_face,
                           const std::vector<double>& volume, Progress& progress);

@@ -258,6 +258,7 @@ void measure_volume(const std::vector<Vec3>& positions, const std::vector<Triang
   const double sum = std::accumulate(volume.begin(), volume.end(), 0.0);
   report.volume = std::ldexp(sum, -3 * exponent);
   report.volume_is_positive = sum > 0.0;
+  if (!report.manifold()) return;
   const ComponentSides sides =
       find_sides(positions, triangles, components.of_face, volume, progress);
   report.cavities = static_cast<Index>(sides.cavities.size());

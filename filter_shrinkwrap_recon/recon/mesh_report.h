@@ -22,8 +22,8 @@ struct MeshReport {
   Index nonmanifold_vertices = 0;   ///< vertices whose faces are not one fan
   Index misoriented_edges = 0;      ///< edges whose two faces run along them in the same direction
   Index components = 0;             ///< by edges
-  Index cavities = 0;               ///< of a closed mesh: see bodies.h
-  Index components_inside_out = 0;  ///< of a closed mesh
+  Index cavities = 0;               ///< of a closed 2-manifold: see bodies.h
+  Index components_inside_out = 0;  ///< of a closed 2-manifold
   Index genus =
       -1;  ///< summed over components; -1 unless manifold (openings are counted as capped)
   double volume = 0.0;                 ///< signed, of a closed mesh; may under- or overflow

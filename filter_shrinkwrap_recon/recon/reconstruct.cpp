@@ -106,7 +106,8 @@ DenoisingReport smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise,
                                   0.0, std::max(limits.most_units, 0.0));
   const int neighbours = options.samples.neighbours;
   if (units > 0.0) {
-    const int wider = static_cast<int>(std::lround(neighbours * (1.0 + kWider * units)));
+    const double widening = cloud.conditioning.neighbours_across_lines > 0 ? 0.0 : kWider * units;
+    const int wider = static_cast<int>(std::lround(neighbours * (1.0 + widening)));
     OrientationOptions orientation_options = options.orientation;
     orientation_options.plane_neighbours = std::max(orientation_options.plane_neighbours, wider);
     progress.set_part(0.2, 0.3);
