@@ -299,6 +299,9 @@ OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& point
   if (stray.empty()) return report;
 
   const std::size_t most = static_cast<std::size_t>(options.most * cloud.position.size());
+  SampleOptions as_before = sample_options;  // what is left lies on lines, or not, as all did
+  as_before.neighbours = cloud.neighbour_count;
+  as_before.scan_lines.most_neighbours = 0;
   PointCloud rest;
   std::vector<Index> input_index;  // of the points that are left
   const auto leave_out = [&](const PointCloud& from) {
@@ -319,7 +322,7 @@ OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& point
       return report;
     }
     try {
-      rest = prepare_samples(points_at(points, input_index), sample_options, progress);
+      rest = prepare_samples(points_at(points, input_index), as_before, progress);
     } catch (const InvalidInput&) {
       report.input_index.clear();
       return report;

@@ -8,7 +8,7 @@
 namespace shrinkwrap {
 namespace {
 
-constexpr Index kProbes = 2000;
+constexpr Index kProbes = 2000;  // at least; one neighbourhood of so many is looked at
 constexpr Index kGrain = 64;
 constexpr int kLeastParts = 4;    // neighbourhoods are no larger parts of the cloud
 constexpr double kVolume = 0.5;   // thickness, x the width, of what is no surface either
