@@ -159,6 +159,20 @@ void tell_of_attempts(const Reconstruction& result, FilterOutcome& outcome) {
   tell(result.smoothing, "with a surface smoothed for the noise, of quadrics in place of planes");
 }
 
+void tell_of_detail(const Reconstruction& result, FilterOutcome& outcome) {
+  const DetailReport& detail = result.detail;
+  if (detail.surfaces < 2) return;
+  const auto percent = [](double part) { return formatted("%.1f", 100.0 * part) + " %"; };
+  const std::string at_first = percent(detail.far_at_first) +
+                               " of the samples were farther from the parametric surface than "
+                               "their spacing";
+  outcome.log.push_back(detail.far < detail.far_at_first
+                            ? at_first + ": made again of " +
+                                  std::to_string(result.control_mesh.target_vertices) +
+                                  " control vertices, it leaves " + percent(detail.far)
+                            : at_first + ", and finer control meshes did not help");
+}
+
 std::string openings_line(const OpeningsReport& report) {
   std::string line = "Openings: ";
   if (report.spanned > 0)
@@ -193,11 +207,14 @@ void warn_of_openings(const ReconstructionOptions& options, std::vector<std::str
         "the robust method can leave them open.");
 }
 
-void warn_of_size(const SurfaceMesh& surface, Index samples, std::vector<std::string>& warnings) {
-  if (surface.vertex_count() / 4 > samples)
-    warnings.push_back("The surface has " + std::to_string(surface.vertex_count()) +
-                       " vertices for " + count_of(samples, "sample") +
-                       ": choose the layer that Control Mesh made as the mesh to be subdivided.");
+void warn_of_subdivision(const ParametricSurfaceReport& report, Index samples,
+                         std::vector<std::string>& warnings) {
+  if (report.subdivisions == 0)
+    warnings.push_back(
+        "The mesh has " + std::to_string(report.vertices) + " vertices for " +
+        count_of(samples, "sample") +
+        " already: it was neither subdivided nor fitted. For a smooth surface choose "
+        "a layer that Control Mesh made, with fewer vertices.");
 }
 
 void warn_of_intersections(Index faces_left, std::vector<std::string>& warnings) {

@@ -38,14 +38,17 @@ void warn_of(const CompleteMatchingReport& report, std::vector<std::string>& war
 void warn_of_intersections(Index faces_left, std::vector<std::string>& warnings);
 /// Of a choice for openings that the paper's method cannot follow.
 void warn_of_openings(const ReconstructionOptions& options, std::vector<std::string>& warnings);
-/// Of a parametric surface far larger than the samples need.
-void warn_of_size(const SurfaceMesh& surface, Index samples, std::vector<std::string>& warnings);
+/// Of a mesh that has vertices enough already.
+void warn_of_subdivision(const ParametricSurfaceReport& report, Index samples,
+                         std::vector<std::string>& warnings);
 
 /// How noisy the samples are, what was done about it, and what would suit them better.
 void tell_of_noise(double noise, const DenoisingReport& denoising,
                    const ReconstructionOptions& options, FilterOutcome& outcome);
 /// What came of second attempts, if any were made.
 void tell_of_attempts(const Reconstruction& result, FilterOutcome& outcome);
+/// If the surface was made again because it had lost detail, with which control mesh.
+void tell_of_detail(const Reconstruction& result, FilterOutcome& outcome);
 /// How many samples were left out as outliers.
 void tell_of(const OutlierReport& report, FilterOutcome& outcome);
 

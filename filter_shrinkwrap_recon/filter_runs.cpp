@@ -125,6 +125,7 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   outcome.figures["seconds_total"] = total;
   outcome.log.push_back(table_row("total", static_cast<Index>(result.mesh.position.size()), total));
   for (std::string& line : describe(result.report)) outcome.log.push_back(std::move(line));
+  tell_of_detail(result, outcome);
   tell_of_attempts(result, outcome);
   tell_of(result.outliers, outcome);
   outcome.log.push_back(kSucceeded + verdict_of(result.report) + but_outliers(result.outliers));
@@ -205,7 +206,7 @@ FilterOutcome run_parametric_surface(const FilterRequest& request, const FilterI
   outcome.log.push_back("distance of the vertices from the samples' surface: mean " +
                         formatted("%.3f", surface.report.mean_distance) + ", greatest " +
                         formatted("%.3f", surface.report.max_distance) + " spacings");
-  warn_of_size(surface.mesh, cloud.size(), outcome.warnings);
+  warn_of_subdivision(surface.report, cloud.size(), outcome.warnings);
   outcome.log.push_back(surface_verdict("parametric surface", surface.mesh));
   outcome.layer_suffix = "parametric surface";
   return outcome;
@@ -468,13 +469,14 @@ FilterOutcome run_filter(Filter filter, const FilterRequest& request, const Filt
   const bool needs_faces = needs_mesh && filter != Filter::distance_to_samples;
   if (needs_faces && input.mesh.triangles.empty()) throw InvalidInput(no_mesh);
 
-  // A control mesh becomes about 16 times as large; other stages keep the size of theirs. The whole
-  // method looks for itself.
-  const std::uint64_t growth = filter == Filter::parametric_surface ? 16 : 1;
+  // A control mesh becomes up to 16 times as large, but no more than 3 times the samples; other
+  // stages keep the size of theirs. The whole method looks for itself.
+  const std::uint64_t samples = input.points.size(), vertices = input.mesh.position.size();
+  const std::uint64_t subdivided =
+      filter == Filter::parametric_surface ? std::min(16 * vertices, 3 * samples) : 0;
   if (filter != Filter::reconstruct && filter != Filter::distance_to_samples)
-    require_memory_for(
-        std::max<std::uint64_t>(input.points.size(), growth * input.mesh.position.size()),
-        request.options.memory_limit, request.options.samples.neighbours);
+    require_memory_for(std::max({samples, vertices, subdivided}), request.options.memory_limit,
+                       request.options.samples.neighbours);
 
   const int threads = request.options.threads;
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);

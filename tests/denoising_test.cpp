@@ -340,6 +340,7 @@ TEST(Denoising, ASecondAttemptWithMoreHandlesIsNotTaken) {
   const std::vector<Vec3> points = sample_shape(ShapeKind::double_torus, 300, 3);
   ReconstructionOptions options;
   options.initial_mesh.false_handles.enabled = false;
+  options.most_samples_far = 1.0;
   const Reconstruction result = reconstruct_with(points, options);
   EXPECT_TRUE(result.smoothing.is_finished);
   EXPECT_LT(result.smoothing.faults, result.smoothing.faults_before);

@@ -104,6 +104,27 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return test.param.name; });
 
 // Vertices that are no samples go only once the faces around openings are parted.
+TEST(FilterRuns, ChainOfAFinerControlMeshGivesTheBytesOfTheOneShot) {
+  for (const double finer : {8.0, 12.0}) {
+    SCOPED_TRACE(finer);
+    FilterInput input;
+    input.points = in_single_precision(sample_spiked_ball(300, finer));
+    const FilterOutcome one_shot = run(Filter::reconstruct, input);
+    // The log tells with which control mesh.
+    std::string vertices;
+    for (const std::string& line : one_shot.log) {
+      const std::string before = "made again of ";
+      const std::size_t at = line.find(before);
+      if (at != std::string::npos)
+        vertices =
+            line.substr(at + before.size(), line.find(" control vertices") - at - before.size());
+    }
+    ASSERT_FALSE(vertices.empty());
+    expect_same_bytes(one_shot.mesh,
+                      run_chain(input.points, {{"ControlVertices", std::stod(vertices)}}).mesh);
+  }
+}
+
 TEST(FilterRuns, ChainOverScanLinesGivesTheBytesOfTheOneShot) {
   FilterInput input;
   input.points = in_single_precision(sample_sphere_on_scan_lines(2000, 1));
@@ -474,9 +495,10 @@ TEST(FilterRuns, StagesRefuseWhatDoesNotFitOrIsNotFinite) {
 
   // As the wrong layer would have it: a mesh that is fine already.
   const FilterInput finished = through_layer(input.points, run(Filter::reconstruct, input));
-  const std::vector<std::string> warnings = run(Filter::parametric_surface, finished).warnings;
-  ASSERT_FALSE(warnings.empty());
-  EXPECT_NE(warnings.back().find("choose the layer that Control Mesh made"), std::string::npos);
+  const FilterOutcome as_it_is = run(Filter::parametric_surface, finished);
+  EXPECT_EQ(as_it_is.mesh.triangles.size(), finished.mesh.triangles.size());
+  ASSERT_FALSE(as_it_is.warnings.empty());
+  EXPECT_NE(as_it_is.warnings.back().find("neither subdivided nor fitted"), std::string::npos);
 
   initial.mesh.position[3].y() = std::nan("");
   for (const Filter filter : {Filter::control_mesh, Filter::parametric_surface}) {

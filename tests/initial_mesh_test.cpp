@@ -126,6 +126,15 @@ TEST(InitialMesh, InnerWallBecomesACavity) {
   EXPECT_EQ(initial.report.cavities, 1);
 }
 
+TEST(InitialMesh, SamplesFourteenTimesAsFarApartAsMostHaveNoHolesBetweenThem) {
+  const PointCloud samples = oriented_cloud(testing::sample_spiked_ball(1000, 14.0));
+  Index sparse = 0;
+  for (const float spacing : samples.local_spacing) sparse += spacing > 10.0 * samples.spacing;
+  EXPECT_GT(sparse, 500);
+  EXPECT_LT(sparse, samples.size() / 3);
+  expect_closed_manifold(initial_mesh_of(samples).mesh, 1, 0);
+}
+
 TEST(InitialMesh, ClumpsOfStrayPointsAreNoBodies) {
   std::vector<Vec3> points = sample_shape(ShapeKind::sphere, 4000, 12);
   Random random(13);

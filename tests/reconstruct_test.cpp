@@ -138,6 +138,40 @@ TEST(Reconstruct, ProgressGoesOnInASecondAttempt) {
       1e-9);
 }
 
+TEST(Reconstruct, WhatIsSampledFarMoreCloselyThanTheRestIsNotLost) {
+  for (const Index count : {500, 700, 1000}) {
+    SCOPED_TRACE(count);
+    const std::vector<Vec3> points = testing::sample_spiked_ball(count, 12.0);
+    const Reconstruction result = reconstruct_silently(points, {});
+    EXPECT_GE(result.detail.surfaces, 2);
+    EXPECT_GT(result.detail.far_at_first, 0.2);
+    EXPECT_LT(result.detail.far, 0.1 * result.detail.far_at_first);
+    EXPECT_GT(result.control_mesh.vertices, static_cast<Index>(points.size()) / 8);
+    EXPECT_EQ(result.report.self_intersecting_faces, 0);
+    EXPECT_LT(result.intersection_repair.persistent_faces(), 10);
+    EXPECT_EQ(result.report.genus, 0);
+    EXPECT_EQ(result.report.components, 1);
+    EXPECT_EQ(result.report.vertices_extra, 0);
+
+    ReconstructionOptions once;
+    once.most_samples_far = 1.0;
+    const Reconstruction coarse = reconstruct_silently(points, once);
+    EXPECT_EQ(coarse.detail.surfaces, 1);
+    EXPECT_GT(coarse.intersection_repair.persistent_faces(), 50);
+  }
+}
+
+TEST(Reconstruct, ASurfaceThatShowsEverythingIsMadeOnce) {
+  for (const double noise : {0.0, 0.5}) {
+    testing::SampleDefects defects;
+    defects.noise = noise;
+    const std::vector<Vec3> points = sample_shape(ShapeKind::torus, 2500, 3, defects);
+    const Reconstruction result = reconstruct_silently(points, {});
+    EXPECT_EQ(result.detail.surfaces, 1) << noise;
+    EXPECT_LE(result.detail.far_at_first, 0.01);
+  }
+}
+
 TEST(Reconstruct, MostFacesAtFaultAreMadeOnce) {
   // Points of all magnitudes, as in a damaged file, show no surface.
   testing::Random random(12);

@@ -387,6 +387,38 @@ std::vector<Vec3> sample_strip(Index count, unsigned seed) {
   return points;
 }
 
+std::vector<Vec3> sample_spiked_ball(Index count, double finer) {
+  constexpr double kFoot = 0.95, kLength = 0.6, kRadius = 0.1;
+  // Along x, turned by the golden angle from one to the next.
+  const auto spiral = [](Index samples, const auto& radius_and_height) {
+    std::vector<Vec3> points;
+    Eigen::Vector2d direction(1.0, 0.0);
+    for (Index i = 0; i < samples; ++i) {
+      const auto [radius, height] = radius_and_height((i + 0.5) / samples);
+      points.push_back({height, radius * direction.x(), radius * direction.y()});
+      constexpr double kCosine = -0.73736887807831968, kSine = 0.67549029426152375;
+      direction = {kCosine * direction.x() - kSine * direction.y(),
+                   kSine * direction.x() + kCosine * direction.y()};
+    }
+    return points;
+  };
+  using RadiusAndHeight = std::pair<double, double>;
+  std::vector<Vec3> points;
+  for (const Vec3& p : spiral(count, [](double part) {
+         const double height = 1.0 - 2.0 * part;
+         return RadiusAndHeight(std::sqrt(1.0 - height * height), height);
+       }))
+    if (std::hypot(p.y(), p.z()) > kRadius || p.x() < 0.0) points.push_back(p);
+  const double of_sphere = count / (4.0 * kPi);  // samples per unit area
+  const auto on_spike = static_cast<Index>(kPi * kRadius * kLength * finer * finer * of_sphere);
+  for (const Vec3& p : spiral(on_spike, [&](double part) {
+         const double from_tip = std::sqrt(part);
+         return RadiusAndHeight(kRadius * from_tip, kFoot + kLength * (1.0 - from_tip));
+       }))
+    if (p.norm() > 1.0) points.push_back(p);
+  return points;
+}
+
 SurfaceMesh icosphere(int subdivisions) {
   const double golden = 0.5 * (1.0 + std::sqrt(5.0));
   std::vector<Vec3> position;

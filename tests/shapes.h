@@ -121,6 +121,10 @@ std::vector<Vec3> sample_cut_ring(Index count, double gap, unsigned seed);
 /// apart.
 std::vector<Vec3> sample_strip(Index count, unsigned seed);
 
+/// Evenly spread over a unit sphere, and `finer` times as closely over a spike on it, which is a
+/// hundredth of the surface. `count`: of the sphere.
+std::vector<Vec3> sample_spiked_ball(Index count, double finer = 10.0);
+
 /// The unit sphere as an icosahedron whose faces were split into four `subdivisions` times:
 /// 10 * 4^subdivisions + 2 vertices.
 SurfaceMesh icosphere(int subdivisions);

@@ -159,10 +159,10 @@ class Fitting {
   std::array<double, kTableSize> weight_;
 };
 
-// True if no more than one in a thousand samples is farther than `reach` from the surface. Some
-// samples stand for all.
-bool is_within_reach(const SurfaceMesh& mesh, const PointCloud& cloud, double reach,
-                     Progress& progress) {
+// Part of the samples from which the surface is farther than `reach_of` them. Some stand for all.
+template <class ReachOf>
+double part_out_of_reach(const SurfaceMesh& mesh, const PointCloud& cloud, const ReachOf& reach_of,
+                         Progress& progress) {
   const FaceTree tree(mesh, progress);
   const Index stride = std::clamp<Index>(cloud.size() / kLeastProbes, 1, kMostStride);
   const Index probes = (cloud.size() - 1) / stride + 1;
@@ -170,6 +170,7 @@ bool is_within_reach(const SurfaceMesh& mesh, const PointCloud& cloud, double re
       parallel_sum(probes, kProbeGrain, progress, Index{0}, [&](Index begin, Index end) {
         Index count = 0, hint = kNone;
         for (Index i = begin; i < end; ++i) {
+          const double reach = reach_of(i * stride);
           const auto hit = tree.nearest(cloud.position[i * stride], reach * reach, hint,
                                         [](Index) { return true; });
           if (hit.face == kNone) ++count;
@@ -177,8 +178,15 @@ bool is_within_reach(const SurfaceMesh& mesh, const PointCloud& cloud, double re
         }
         return count;
       });
-  return beyond <= probes / 1000;
+  return static_cast<double>(beyond) / probes;
 }
+
+// How many vertices there are to be, x samples, for a surface to be fine enough.
+constexpr double kEnoughVertices = 0.75, kEnoughForThird = 0.5;
+// A sample is no farther from the surface than this, x noise, because of that.
+constexpr double kMostDeviations = 3.0;
+// Part of the samples that may be out of reach of a surface that is fine enough.
+constexpr double kMostBeyond = 0.001;
 
 }  // namespace
 
@@ -263,16 +271,23 @@ ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud&
   const Fitting fitting(cloud, options);
   SurfaceMesh mesh = std::move(control);
   Distances distances;
+  const auto is_coarse = [&](double vertices, double enough) {
+    return vertices < std::floor(enough * cloud.size());
+  };
   const auto goes_on = [&](int level) {
-    return level < options.subdivisions ||
-           (mesh.vertex_count() < cloud.size() / 2 && level <= options.subdivisions);
+    return level <= options.subdivisions &&
+           is_coarse(mesh.vertex_count(),
+                     level < options.subdivisions ? kEnoughVertices : kEnoughForThird);
   };
   for (int level = 0; goes_on(level); ++level) {
-    const bool is_last = level + 1 >= options.subdivisions;
+    const bool is_last =
+        level + 1 >= options.subdivisions || !is_coarse(4.0 * mesh.vertex_count(), kEnoughVertices);
     progress.set_range(0.1 * level, 0.1 * level);
     if (is_last && level > 0 && options.fine_enough > 0.0 &&
         cloud.size() >= options.fine_enough_from &&
-        is_within_reach(mesh, cloud, options.fine_enough * cloud.spacing, progress))
+        part_out_of_reach(
+            mesh, cloud, [&](Index) { return options.fine_enough * cloud.spacing; }, progress) <=
+            kMostBeyond)
       break;
     mesh = loop_subdivide(mesh, progress);
     mesh.compact(progress);
@@ -286,11 +301,21 @@ ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud&
       distances = fitting.iterate(mesh, hint, progress);
     }
   }
-  if (options.move_to_limit) fitting.move_to_limit(mesh, progress);
+  if (result.report.subdivisions == 0)
+    distances = fitting.measure(mesh, progress);
+  else if (options.move_to_limit)
+    fitting.move_to_limit(mesh, progress);
   result.report.vertices = mesh.vertex_count();
   tell(distances, cloud.spacing, result.report);
   result.mesh = std::move(mesh);
   return result;
+}
+
+double part_of_samples_far(const SurfaceMesh& surface, const PointCloud& cloud, double noise,
+                           Progress& progress) {
+  const double of_noise = kMostDeviations * noise * cloud.spacing;
+  return part_out_of_reach(
+      surface, cloud, [&](Index i) { return cloud.local_spacing[i] + of_noise; }, progress);
 }
 
 std::vector<char> mark_membranes(const SurfaceMesh& surface, const PointCloud& cloud,

@@ -12,7 +12,9 @@ struct ParametricSurfaceOptions {
     nearest_sample,  ///< p* of eq. 14 as printed
   };
   Target target = Target::tangent_plane;
-  int subdivisions = 2;  ///< a third is added while there are fewer vertices than half the samples
+  /// At most, and none once there are three quarters as many vertices as samples: a control mesh
+  /// that has them is the surface. A third is added while there are fewer than half as many.
+  int subdivisions = 2;
   /// Leave out the last subdivision where the surface is fine enough without it: of the samples all
   /// but one in a thousand lie within this many spacings of it. 0: always subdivide. What follows
   /// is several times faster then, and no worse.
@@ -54,6 +56,11 @@ SurfaceMesh loop_subdivide(const SurfaceMesh& mesh, Progress& progress);
 ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud& cloud,
                                           const ParametricSurfaceOptions& options,
                                           Progress& progress);
+
+/// Part of the samples that are farther from the surface than they are from each other there, by
+/// more than `noise` (x median spacing) explains. Some, 20,000 or more, stand for all.
+double part_of_samples_far(const SurfaceMesh& surface, const PointCloud& cloud, double noise,
+                           Progress& progress);
 
 /// Per vertex: 1 if it belongs to a membrane, where no sample supports the surface. Pre: as above.
 std::vector<char> mark_membranes(const SurfaceMesh& surface, const PointCloud& cloud,

@@ -50,6 +50,13 @@ class StageLog {
     result_.stages.back().vertices = vertices;
     result_.stages.back().seconds += watch_.lap();
   }
+  template <class MakeMesh>
+  void go_on(Index vertices, const MakeMesh& make_mesh) {
+    go_on(vertices);
+    if (!keep_meshes_) return;
+    result_.stages.back().mesh = make_mesh();
+    watch_.lap();
+  }
   // What was logged elsewhere.
   void skip() { watch_.lap(); }
   // `make_mesh` is called only if the caller wants the stages; its time is not the stage's.
@@ -126,24 +133,57 @@ DenoisingReport smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise,
   return report;
 }
 
+// Parts that are sampled far more closely than the rest may be lost in the control mesh: if so,
+// makes the surface anew of finer ones, and keeps the one that is near most samples.
+void keep_detail(const SurfaceMesh& initial, const PointCloud& cloud,
+                 const ReconstructionOptions& options, FittedSurface& fitted,
+                 Reconstruction& result, StageLog& log, Progress& progress) {
+  constexpr Index kFiner = 4;
+  constexpr double kFewer = 0.75;  // x samples far: what is no nearer to most is only rougher
+  DetailReport& detail = result.detail;
+  const auto part_far = [&](const FittedSurface& of) {
+    return part_of_samples_far(of.surface.mesh, cloud, result.noise, progress);
+  };
+  const auto try_finer = [&](Index vertices) {
+    ControlMeshOptions control_options = options.control_mesh;
+    control_options.target_vertices = vertices;
+    ControlMesh control = make_control_mesh(initial, cloud.size(), control_options, progress);
+    round_to_host(control.mesh, cloud.frame, options.host_scalar);
+    FittedSurface other = fit_surface(control.mesh, cloud, options, progress);
+    ++detail.surfaces;
+    const double far = part_far(other);
+    if (far > kFewer * detail.far) return;
+    detail.far = far;
+    fitted = std::move(other);
+    result.control_mesh = control.report;
+    log.go_on(control.mesh.vertex_count(),
+              [&] { return to_result(control.mesh, cloud.frame, progress); });
+  };
+  detail.far_at_first = detail.far = part_far(fitted);
+  const Index finer = kFiner * result.control_mesh.target_vertices;
+  if (detail.far > options.most_samples_far && finer < cloud.size()) try_finer(finer);
+  if (detail.far > options.most_samples_far) try_finer(cloud.size());
+}
+
 // From the cloud to the parametric surface.
 FittedSurface make_surface(PointCloud& cloud, const ReconstructionOptions& options,
                            Reconstruction& result, StageLog& log, Progress& progress) {
-  SurfaceMesh mesh;
-  const auto in_input_frame = [&] { return to_result(mesh, cloud.frame, progress); };
   if (options.initial_mesh.start == InitialMeshOptions::Start::bounding_box)
     log.add_layer("bounding box",
                   [&] { return to_result(box_around(cloud), cloud.frame, progress); });
 
   InitialMesh initial = make_initial_mesh(cloud, options.initial_mesh, progress);
   result.initial_mesh = initial.report;
-  mesh = std::move(initial.mesh);
-  round_to_host(mesh, cloud.frame, options.host_scalar);
-  log.add(Stage::initial_mesh, mesh.vertex_count(), in_input_frame);
+  round_to_host(initial.mesh, cloud.frame, options.host_scalar);
+  log.add(Stage::initial_mesh, initial.mesh.vertex_count(),
+          [&] { return to_result(initial.mesh, cloud.frame, progress); });
 
-  mesh = make_control_mesh(std::move(mesh), cloud.size(), options.control_mesh, progress).mesh;
-  round_to_host(mesh, cloud.frame, options.host_scalar);
-  log.add(Stage::control_mesh, mesh.vertex_count(), in_input_frame);
+  ControlMesh control =
+      make_control_mesh(initial.mesh, cloud.size(), options.control_mesh, progress);
+  round_to_host(control.mesh, cloud.frame, options.host_scalar);
+  log.add(Stage::control_mesh, control.mesh.vertex_count(),
+          [&] { return to_result(control.mesh, cloud.frame, progress); });
+  result.control_mesh = control.report;
 
   // Samples too clean to be moved before.
   if (may_denoise(options, result.noise) && !cloud.is_denoised()) {
@@ -152,7 +192,10 @@ FittedSurface make_surface(PointCloud& cloud, const ReconstructionOptions& optio
     result.denoising =
         denoise(cloud, result.noise, options.samples.neighbours, options.denoising, progress);
   }
-  FittedSurface fitted = fit_surface(std::move(mesh), cloud, options, progress);
+  FittedSurface fitted = fit_surface(std::move(control.mesh), cloud, options, progress);
+  if (is_robust(options) && options.control_mesh.target_vertices == 0)
+    keep_detail(initial.mesh, cloud, options, fitted, result, log, progress);
+  initial.mesh = SurfaceMesh();
   result.parametric_surface = fitted.surface.report;
   log.add(Stage::parametric_surface, fitted.surface.mesh.vertex_count(),
           [&] { return to_result(fitted.surface.mesh, cloud.frame, progress); });

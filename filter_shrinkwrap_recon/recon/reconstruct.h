@@ -38,6 +38,12 @@ struct ReconstructionOptions {
   RepairOptions intersection_repair;  ///< runs at the end of edge optimisation
   RelaxationOptions relaxation;  ///< instead of it where the run stops before, if it is enabled
   MeshReportOptions report;
+  /// A surface from which more than this part of the samples is farther than their own spacing (and
+  /// the noise) has lost detail, such as parts that are sampled far more closely than the rest. It
+  /// is made anew, from four times as many control vertices, and then from as many as there are
+  /// samples, and stays if it leaves a quarter fewer of them so far. 1: never; nor if the number of
+  /// control vertices is given.
+  double most_samples_far = 0.01;
   /// Points that single precision cannot hold come from no host of that precision: double is used.
   HostScalar host_scalar = HostScalar::single_precision;
   bool stop_at_parametric_surface =
@@ -72,6 +78,13 @@ struct SecondAttempt {
   Index faults_before = 0, faults = 0;  ///< faces; `faults` only if finished
 };
 
+/// Whether a surface showed what the samples do: see `ReconstructionOptions::most_samples_far`.
+struct DetailReport {
+  double far_at_first = 0.0;  ///< part of the samples
+  double far = 0.0;           ///< from the surface that stays
+  int surfaces = 1;           ///< that were made
+};
+
 struct Reconstruction {
   /// Faces that span an opening carry their longest edge (x spacing) as quality, others 0; none has
   /// a quality if none spans. Vertex i is the i-th distinct sample that is no outlier, in the
@@ -84,7 +97,9 @@ struct Reconstruction {
   double noise = 0.0;         ///< of the samples, x spacing
   DenoisingReport denoising;  ///< of a noisy run that stops at the parametric surface
   InitialMeshReport initial_mesh;
+  ControlMeshReport control_mesh;  ///< of the surface that stays
   ParametricSurfaceReport parametric_surface;
+  DetailReport detail;
   CompleteMatchingReport complete_matching;
   OpeningsReport openings;
   EdgeOptimisationReport edge_optimisation;

@@ -19,7 +19,7 @@ constexpr Index kBrickGrain = 16;
 // the level.
 constexpr double kFarMargin = 0.1;
 // x median spacing: no sample reaches farther than if it were so isolated.
-constexpr double kGreatestSpacing = 4;
+constexpr double kGreatestSpacing = 16;
 constexpr double kLeastReach = 1.75;  // x size of a voxel
 constexpr Index kMembraneBricksPerSample = 2;
 // In reach of the samples; a surface evenly sampled has less than a fifth of one.

@@ -14,6 +14,7 @@ constexpr double kLeastFeature = 3.0;        // x spacing
 constexpr double kLeastRandomFeature = 4.0;  // of samples that leave gaps
 constexpr double kMostDisplacement = 0.1;    // x spacing
 constexpr Index kFewestSamples = 200;
+constexpr Index kDrawnForDetail = 4;   // x the samples aimed at, as most are then left out
 constexpr double kLineDistance = 3.0;  // of scan lines, x distance of samples within a line
 
 template <class Value, std::size_t size>
@@ -116,6 +117,19 @@ std::vector<Vec3> with_density_ratio(const std::vector<Vec3>& samples, double ra
   return kept;
 }
 
+// Keeps all samples in a ball about one of them, and thins the others out: a detail that was
+// scanned more closely than the rest.
+std::vector<Vec3> with_detail(const std::vector<Vec3>& samples, double ratio, double radius,
+                              Random& random) {
+  if (samples.empty()) return samples;
+  const Vec3 centre = samples[random.below(static_cast<Index>(samples.size()))];
+  const double reach = random.uniform(0.15, 0.5) * radius;
+  std::vector<Vec3> kept;
+  for (const Vec3& p : samples)
+    if ((p - centre).norm() < reach || random.uniform() < 1.0 / ratio) kept.push_back(p);
+  return kept;
+}
+
 // Share of the samples that survives, were they uniform along x.
 double mean_density(double ratio) {
   return ratio > 1.0 ? (1.0 - 1.0 / ratio) / std::log(ratio) : 1.0;
@@ -126,24 +140,25 @@ void quantise(std::vector<Vec3>& points, double quantum) {
     for (int axis = 0; axis < 3; ++axis) p[axis] = quantum * std::round(p[axis] / quantum);
 }
 
-// Of the samples where they are farthest from each other.
-double widest_spacing(const Case& generated, double mean_spacing) {
+// Of the samples where they are farthest from each other. `kept`: the share of them that was left
+// when all but a detail was thinned out.
+double widest_spacing(const Case& generated, double mean_spacing, double kept) {
   double spacing = mean_spacing * std::sqrt(generated.density_ratio) *
-                   std::sqrt(mean_density(generated.density_ratio));
+                   std::sqrt(mean_density(generated.density_ratio)) *
+                   std::sqrt(generated.detail_ratio * kept);
   if (generated.sampling == Sampling::scan_lines) spacing *= std::sqrt(kLineDistance);
   return spacing;
 }
 
 bool is_resolved(const Case& generated, const Solid& solid, Index samples, double mean_spacing,
-                 double rounding) {
+                 double widest, double rounding) {
   const bool misses_faces = generated.sampling == Sampling::scan_lines && solid.has_level_faces;
   if (misses_faces || generated.outliers > 0.0 || samples < kFewestSamples) return false;
   const bool even =
       generated.sampling == Sampling::blue_noise || generated.sampling == Sampling::grid;
   const double displacement = generated.noise + 0.3 * generated.quantum + rounding / mean_spacing;
   return displacement <= kMostDisplacement &&
-         solid.least_feature >=
-             (even ? kLeastFeature : kLeastRandomFeature) * widest_spacing(generated, mean_spacing);
+         solid.least_feature >= (even ? kLeastFeature : kLeastRandomFeature) * widest;
 }
 
 }  // namespace
@@ -188,6 +203,7 @@ Case case_of(std::uint64_t number) {
   // Single precision would leave nothing of an object that lies a billion times its size away.
   made.single_precision = now_and_then(0.5) && made.offset.norm() < 1e6;
   if (now_and_then(0.2)) made.variant = static_cast<Variant>(1 + random.below(4));
+  if (now_and_then(0.1)) made.detail_ratio = one_of({10.0, 100.0}, random);
   return made;
 }
 
@@ -210,10 +226,17 @@ CaseCloud cloud_of(const Case& generated) {
   const double spacing = std::sqrt(area / generated.count);
 
   const double density = mean_density(generated.density_ratio);
-  const auto drawn = static_cast<Index>(std::ceil(generated.count / density));
-  std::vector<Vec3> points = sample(generated, solid, drawn, spacing * std::sqrt(density), random);
+  auto drawn = static_cast<Index>(std::ceil(generated.count / density));
+  if (generated.detail_ratio > 1.0) drawn *= kDrawnForDetail;
+  std::vector<Vec3> points = sample(generated, solid, drawn, std::sqrt(area / drawn), random);
   if (generated.density_ratio > 1.0)
     points = with_density_ratio(points, generated.density_ratio, solid.radius, random);
+  double kept = 1.0;
+  if (generated.detail_ratio > 1.0) {
+    const auto before = static_cast<double>(points.size());
+    points = with_detail(points, generated.detail_ratio, solid.radius, random);
+    kept = static_cast<double>(points.size()) / std::max(before, 1.0);
+  }
 
   for (Vec3& p : points) {
     if (random.uniform() < generated.outliers) p = 1.5 * solid.radius * random.in_cube();
@@ -237,11 +260,12 @@ CaseCloud cloud_of(const Case& generated) {
   CaseCloud cloud;
   const double rounding = largest / scale * (generated.single_precision ? 0x1p-24 : 0x1p-53);
   const double mean_spacing = std::sqrt(area / std::max(1.0, static_cast<double>(points.size())));
-  cloud.least_feature = solid.least_feature / widest_spacing(generated, mean_spacing);
+  const double widest = widest_spacing(generated, mean_spacing, kept);
+  cloud.least_feature = solid.least_feature / widest;
   // The paper's start is a box, of genus 0, and cannot enter a cavity: nothing can be expected.
-  cloud.expectation.resolved =
-      generated.variant != Variant::as_in_the_paper &&
-      is_resolved(generated, solid, static_cast<Index>(points.size()), mean_spacing, rounding);
+  cloud.expectation.resolved = generated.variant != Variant::as_in_the_paper &&
+                               is_resolved(generated, solid, static_cast<Index>(points.size()),
+                                           mean_spacing, widest, rounding);
   // Where the surface is level the lines leave openings.
   cloud.expectation.open = !solid.closed || generated.sampling == Sampling::scan_lines;
   cloud.expectation.genus = solid.genus;
@@ -260,6 +284,7 @@ benchmarking::JsonLine describe(const Case& generated) {
       .add("quantum", generated.quantum)
       .add("noise", generated.noise)
       .add("density_ratio", generated.density_ratio)
+      .add("detail_ratio", generated.detail_ratio)
       .add("outliers", generated.outliers)
       .add("rotated", generated.rotated)
       .add("scale_exponent", generated.scale_exponent)

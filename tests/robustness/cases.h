@@ -35,6 +35,7 @@ struct Case {
   double quantum = 0.0;        ///< of quantised samples, x spacing
   double noise = 0.0;          ///< deviation in each coordinate, x spacing
   double density_ratio = 1.0;  ///< of the densest to the thinnest side
+  double detail_ratio = 1.0;   ///< of the density in a ball about a sample to that elsewhere
   double outliers = 0.0;       ///< fraction of the samples
   bool rotated = false;        ///< nothing lies along an axis
   int scale_exponent = 0;      ///< scaled by ten to this
