@@ -255,7 +255,8 @@ Parameter control_vertices() {
   return advanced(number(
       Kind::integer, kControlVertices, "Control vertices (0: automatic)", 0, 0, kMostElements,
       "Vertices of the control mesh; 0: the number from which two subdivisions come nearest to the "
-      "number of samples. Raised: follows finer detail, and noise. Lowered: smoother surface "
+      "number of samples, and more where the whole method finds that detail would be lost (its log "
+      "says how many). Raised: follows finer detail, and noise. Lowered: smoother surface "
       "before the "
       "matching. Unit: vertices; 0, or 4 and up."));
 }

@@ -136,7 +136,8 @@ struct CloudReport {
 /// begins with this; if the smoothed surface is taken (see SecondAttempt), with
 /// `stop_at_parametric_surface` set and `before_initial_mesh_from` 0, and the matching then goes on
 /// with `undo_denoising`; if the run stops at the surface of a clean cloud, so from the parametric
-/// surface on; if backs are openings, with `backs_are_openings`. Pre: the cloud was prepared with
+/// surface on; if backs are openings, with `backs_are_openings`; if the surface was made anew, with
+/// `target_vertices` of the control mesh that stayed. Pre: the cloud was prepared with
 /// `options.samples`.
 CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
                               Progress& progress);
