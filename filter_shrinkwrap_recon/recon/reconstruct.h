@@ -43,7 +43,7 @@ struct ReconstructionOptions {
   /// is made anew, from four times as many control vertices, and then from as many as there are
   /// samples, and stays if it leaves a quarter fewer of them so far. 1: never; nor if the number of
   /// control vertices is given.
-  double most_samples_far = 0.01;
+  double most_samples_far = 0.03;
   /// Points that single precision cannot hold come from no host of that precision: double is used.
   HostScalar host_scalar = HostScalar::single_precision;
   bool stop_at_parametric_surface =
