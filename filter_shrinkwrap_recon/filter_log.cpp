@@ -166,11 +166,11 @@ void tell_of_detail(const Reconstruction& result, FilterOutcome& outcome) {
   const std::string at_first = percent(detail.far_at_first) +
                                " of the samples were farther from the parametric surface than "
                                "their spacing";
-  outcome.log.push_back(detail.far < detail.far_at_first
-                            ? at_first + ": made again of " +
-                                  std::to_string(result.control_mesh.target_vertices) +
-                                  " control vertices, it leaves " + percent(detail.far)
-                            : at_first + ", and finer control meshes did not help");
+  outcome.log.push_back(
+      detail.far < detail.far_at_first
+          ? at_first + ": made again of " + std::to_string(result.control_mesh.target_vertices) +
+                " control vertices (ControlVertices), it leaves " + percent(detail.far)
+          : at_first + ", and finer control meshes did not help");
 }
 
 std::string openings_line(const OpeningsReport& report) {
@@ -210,11 +210,11 @@ void warn_of_openings(const ReconstructionOptions& options, std::vector<std::str
 void warn_of_subdivision(const ParametricSurfaceReport& report, Index samples,
                          std::vector<std::string>& warnings) {
   if (report.subdivisions == 0)
-    warnings.push_back(
-        "The mesh has " + std::to_string(report.vertices) + " vertices for " +
-        count_of(samples, "sample") +
-        " already: it was neither subdivided nor fitted. For a smooth surface choose "
-        "a layer that Control Mesh made, with fewer vertices.");
+    warnings.push_back("The mesh has " + std::to_string(report.vertices) + " vertices for " +
+                       count_of(samples, "sample") +
+                       " already: it was neither subdivided nor fitted, as suits where the whole "
+                       "method says that it was made of so many. Otherwise choose a layer that "
+                       "Control Mesh made, with fewer vertices.");
 }
 
 void warn_of_intersections(Index faces_left, std::vector<std::string>& warnings) {

@@ -156,7 +156,7 @@ TEST(Reconstruct, WhatIsSampledFarMoreCloselyThanTheRestIsNotLost) {
     ReconstructionOptions once;
     once.most_samples_far = 1.0;
     const Reconstruction coarse = reconstruct_silently(points, once);
-    EXPECT_EQ(coarse.detail.surfaces, 1);
+    EXPECT_EQ(coarse.detail.surfaces, 0);
     EXPECT_GT(coarse.intersection_repair.persistent_faces(), 50);
   }
 }

@@ -42,7 +42,8 @@ class StageLog {
     StageRecord record;
     record.name = stage_name(stage);
     record.vertices = vertices;
-    record.seconds = watch_.lap();
+    record.seconds = held_ + watch_.lap();
+    held_ = 0.0;
     result_.stages.push_back(std::move(record));
   }
   // The last stage took longer, and left so many vertices.
@@ -50,9 +51,14 @@ class StageLog {
     result_.stages.back().vertices = vertices;
     result_.stages.back().seconds += watch_.lap();
   }
+  void go_on() { result_.stages.back().seconds += watch_.lap(); }
+  // What went before is time of the stage that is to be added next.
+  void hold() { held_ += watch_.lap(); }
+  // The last stage made another mesh.
   template <class MakeMesh>
-  void go_on(Index vertices, const MakeMesh& make_mesh) {
-    go_on(vertices);
+  void replace(Index vertices, const MakeMesh& make_mesh) {
+    hold();
+    result_.stages.back().vertices = vertices;
     if (!keep_meshes_) return;
     result_.stages.back().mesh = make_mesh();
     watch_.lap();
@@ -83,6 +89,7 @@ class StageLog {
   Reconstruction& result_;
   bool keep_meshes_;
   Stopwatch watch_;
+  double held_ = 0.0;  // seconds of the stage to come
 };
 
 bool is_robust(const ReconstructionOptions& options) {
@@ -134,7 +141,8 @@ DenoisingReport smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise,
 }
 
 // Parts that are sampled far more closely than the rest may be lost in the control mesh: if so,
-// makes the surface anew of finer ones, and keeps the one that is near most samples.
+// makes the surface anew of finer ones, and keeps the one that is near most samples. There is one
+// already: that another cannot be made is no failure of the run.
 void keep_detail(const SurfaceMesh& initial, const PointCloud& cloud,
                  const ReconstructionOptions& options, FittedSurface& fitted,
                  Reconstruction& result, StageLog& log, Progress& progress) {
@@ -145,9 +153,13 @@ void keep_detail(const SurfaceMesh& initial, const PointCloud& cloud,
     return part_of_samples_far(of.surface.mesh, cloud, result.noise, progress);
   };
   const auto try_finer = [&](Index vertices) {
+    const ControlMeshReport& coarse = result.control_mesh;
+    if (vertices <= coarse.vertices || coarse.vertices >= coarse.vertices_before) return;
     ControlMeshOptions control_options = options.control_mesh;
     control_options.target_vertices = vertices;
+    log.hold();
     ControlMesh control = make_control_mesh(initial, cloud.size(), control_options, progress);
+    log.go_on();
     round_to_host(control.mesh, cloud.frame, options.host_scalar);
     FittedSurface other = fit_surface(control.mesh, cloud, options, progress);
     ++detail.surfaces;
@@ -156,13 +168,19 @@ void keep_detail(const SurfaceMesh& initial, const PointCloud& cloud,
     detail.far = far;
     fitted = std::move(other);
     result.control_mesh = control.report;
-    log.go_on(control.mesh.vertex_count(),
-              [&] { return to_result(control.mesh, cloud.frame, progress); });
+    log.replace(control.mesh.vertex_count(),
+                [&] { return to_result(control.mesh, cloud.frame, progress); });
   };
+  detail.surfaces = 1;
   detail.far_at_first = detail.far = part_far(fitted);
   const Index finer = kFiner * result.control_mesh.target_vertices;
-  if (detail.far > options.most_samples_far && finer < cloud.size()) try_finer(finer);
-  if (detail.far > options.most_samples_far) try_finer(cloud.size());
+  try {
+    if (detail.far > options.most_samples_far && finer < cloud.size()) try_finer(finer);
+    if (detail.far > options.most_samples_far) try_finer(cloud.size());
+  } catch (const ReconstructionFailed&) {
+  } catch (const InvalidInput&) {
+  } catch (const std::bad_alloc&) {
+  }
 }
 
 // From the cloud to the parametric surface.
@@ -178,8 +196,10 @@ FittedSurface make_surface(PointCloud& cloud, const ReconstructionOptions& optio
   log.add(Stage::initial_mesh, initial.mesh.vertex_count(),
           [&] { return to_result(initial.mesh, cloud.frame, progress); });
 
-  ControlMesh control =
-      make_control_mesh(initial.mesh, cloud.size(), options.control_mesh, progress);
+  const bool may_keep_detail = is_robust(options) && options.control_mesh.target_vertices == 0 &&
+                               options.most_samples_far < 1.0;
+  ControlMesh control = make_control_mesh(may_keep_detail ? initial.mesh : std::move(initial.mesh),
+                                          cloud.size(), options.control_mesh, progress);
   round_to_host(control.mesh, cloud.frame, options.host_scalar);
   log.add(Stage::control_mesh, control.mesh.vertex_count(),
           [&] { return to_result(control.mesh, cloud.frame, progress); });
@@ -193,8 +213,7 @@ FittedSurface make_surface(PointCloud& cloud, const ReconstructionOptions& optio
         denoise(cloud, result.noise, options.samples.neighbours, options.denoising, progress);
   }
   FittedSurface fitted = fit_surface(std::move(control.mesh), cloud, options, progress);
-  if (is_robust(options) && options.control_mesh.target_vertices == 0)
-    keep_detail(initial.mesh, cloud, options, fitted, result, log, progress);
+  if (may_keep_detail) keep_detail(initial.mesh, cloud, options, fitted, result, log, progress);
   initial.mesh = SurfaceMesh();
   result.parametric_surface = fitted.surface.report;
   log.add(Stage::parametric_surface, fitted.surface.mesh.vertex_count(),

@@ -80,9 +80,9 @@ struct SecondAttempt {
 
 /// Whether a surface showed what the samples do: see `ReconstructionOptions::most_samples_far`.
 struct DetailReport {
-  double far_at_first = 0.0;  ///< part of the samples
+  double far_at_first = 0.0;  ///< part of the samples; of those far from the first surface
   double far = 0.0;           ///< from the surface that stays
-  int surfaces = 1;           ///< that were made
+  int surfaces = 0;           ///< that were made; 0: not looked at
 };
 
 struct Reconstruction {

@@ -18,7 +18,8 @@ constexpr Index kBrickGrain = 16;
 // A brick beside one in reach is uniform if the winding number at its corners keeps so far from
 // the level.
 constexpr double kFarMargin = 0.1;
-// x median spacing: no sample reaches farther than if it were so isolated.
+// x median spacing: no sample reaches farther than if it were so isolated. Where a dense part has
+// most of the samples, those elsewhere may be as far apart, and planes must meet between them.
 constexpr double kGreatestSpacing = 16;
 constexpr double kLeastReach = 1.75;  // x size of a voxel
 constexpr Index kMembraneBricksPerSample = 2;
