@@ -56,7 +56,7 @@ PointCloud without_outliers(const FilterInput& input, const ReconstructionOption
                             OutlierReport& outliers, Progress& progress) {
   PointCloud cloud = prepare_samples(input.points, options.samples, progress);
   if (options.outliers.exclude)
-    outliers = exclude_outliers(cloud, input.points, options.samples, options.outliers, progress);
+    outliers = exclude_outliers(cloud, input.points, options.outliers, progress);
   return cloud;
 }
 

@@ -71,8 +71,8 @@ QString help_of(Filter filter) {
              reference("section 2.3", {kQuadrics});
     case Filter::parametric_surface:
       return "Third stage: <b>subdivides the control mesh</b> (Loop), twice or until it is as fine "
-             "as "
-             "the samples, and fits it to them: a smooth closed surface near them. A new layer." +
+             "as the samples, and fits it to them: a smooth closed surface near them. A new "
+             "layer." +
              reference("section 2.4", {kFitting});
     case Filter::complete_matching:
       return "Fourth stage: makes <b>every sample a vertex</b> of the parametric surface and "

@@ -103,10 +103,10 @@ INSTANTIATE_TEST_SUITE_P(
                       ChainCase{"with_outliers", ShapeKind::blob, {{"ExcludeOutliers", 0}}}),
     [](const auto& test) { return test.param.name; });
 
-// Vertices that are no samples go only once the faces around openings are parted.
 TEST(FilterRuns, ChainOfAFinerControlMeshGivesTheBytesOfTheOneShot) {
-  for (const double finer : {8.0, 12.0}) {
-    SCOPED_TRACE(finer);
+  for (const bool is_of_all_samples : {false, true}) {
+    SCOPED_TRACE(is_of_all_samples);
+    const double finer = is_of_all_samples ? 12.0 : 9.0;
     FilterInput input;
     input.points = in_single_precision(sample_spiked_ball(300, finer));
     const FilterOutcome one_shot = run(Filter::reconstruct, input);
@@ -120,11 +120,13 @@ TEST(FilterRuns, ChainOfAFinerControlMeshGivesTheBytesOfTheOneShot) {
             line.substr(at + before.size(), line.find(" control vertices") - at - before.size());
     }
     ASSERT_FALSE(vertices.empty());
+    EXPECT_EQ(std::stod(vertices) > 0.5 * input.points.size(), is_of_all_samples) << vertices;
     expect_same_bytes(one_shot.mesh,
                       run_chain(input.points, {{"ControlVertices", std::stod(vertices)}}).mesh);
   }
 }
 
+// Vertices that are no samples go only once the faces around openings are parted.
 TEST(FilterRuns, ChainOverScanLinesGivesTheBytesOfTheOneShot) {
   FilterInput input;
   input.points = in_single_precision(sample_sphere_on_scan_lines(2000, 1));

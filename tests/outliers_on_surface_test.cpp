@@ -28,7 +28,7 @@ Cleaned cleaned(const std::vector<Vec3>& points) {
   Progress silent;
   Cleaned result;
   result.cloud = prepare_samples(points, {}, silent);
-  result.report = exclude_outliers(result.cloud, points, {}, {}, silent);
+  result.report = exclude_outliers(result.cloud, points, {}, silent);
   orient_normals(result.cloud, {}, silent);
   return result;
 }

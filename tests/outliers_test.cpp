@@ -23,7 +23,7 @@ Cleaned cleaned(const std::vector<Vec3>& points, const OutlierOptions& options =
   Progress silent;
   Cleaned result;
   result.cloud = prepare_samples(points, {}, silent);
-  result.report = exclude_outliers(result.cloud, points, {}, options, silent);
+  result.report = exclude_outliers(result.cloud, points, options, silent);
   return result;
 }
 
@@ -263,12 +263,25 @@ TEST(Outliers, ReconstructionPassesThroughTheOthers) {
   EXPECT_EQ(with_all.report.samples_matched, 6030);
 }
 
+TEST(Outliers, WhatIsLeftHasAsManyNeighbours) {
+  std::vector<Vec3> points = sample_shape(ShapeKind::sphere, 3000, 20);
+  Random random(21);
+  add_stray_points(points, 20, random);
+  Progress silent;
+  SampleOptions more;
+  more.neighbours = 32;
+  PointCloud cloud = prepare_samples(points, more, silent);
+  EXPECT_FALSE(exclude_outliers(cloud, points, {}, silent).input_index.empty());
+  EXPECT_EQ(cloud.neighbour_count, 32);
+  EXPECT_EQ(cloud.neighbour.size(), 32 * cloud.position.size());
+}
+
 TEST(Outliers, CanBeCancelled) {
   const std::vector<Vec3> points = sample_shape(ShapeKind::sphere, 20000, 19);
   Progress silent;
   PointCloud cloud = prepare_samples(points, {}, silent);
   Progress progress([](double, const char*) { return false; }, {Stage::outliers});
-  EXPECT_THROW(exclude_outliers(cloud, points, {}, {}, progress), Cancelled);
+  EXPECT_THROW(exclude_outliers(cloud, points, {}, progress), Cancelled);
 }
 
 }  // namespace

@@ -290,8 +290,7 @@ std::vector<Index> find_outliers(const PointCloud& cloud, const OutlierOptions& 
 }
 
 OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& points,
-                               const SampleOptions& sample_options, const OutlierOptions& options,
-                               Progress& progress) {
+                               const OutlierOptions& options, Progress& progress) {
   progress.begin(Stage::outliers);
   OutlierReport report;
   std::vector<Index> stray = find_outliers(cloud, options, progress);
@@ -299,7 +298,7 @@ OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& point
   if (stray.empty()) return report;
 
   const std::size_t most = static_cast<std::size_t>(options.most * cloud.position.size());
-  SampleOptions as_before = sample_options;  // what is left lies on lines, or not, as all did
+  SampleOptions as_before;  // what is left lies on lines, or not, as all did
   as_before.neighbours = cloud.neighbour_count;
   as_before.scan_lines.most_neighbours = 0;
   PointCloud rest;

@@ -66,10 +66,9 @@ std::vector<Index> find_outliers(const PointCloud& cloud, const OutlierOptions& 
 /// Leaves stray samples out of a cloud: it becomes what it would have been had the
 /// points never been there, but for `conditioning` and `input_index`, which still speak of all
 /// points. So the rest of the points alone gives the same cloud. Pre: `cloud` was prepared from
-/// `points` with `sample_options`. Where no cloud would be left that has a surface (fewer than 4
+/// `points`. Where no cloud would be left that has a surface (fewer than 4
 /// samples, all in one plane), nothing is left out.
 OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& points,
-                               const SampleOptions& sample_options, const OutlierOptions& options,
-                               Progress& progress);
+                               const OutlierOptions& options, Progress& progress);
 
 }  // namespace shrinkwrap

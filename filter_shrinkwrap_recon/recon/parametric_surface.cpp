@@ -280,8 +280,9 @@ ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud&
                      level < options.subdivisions ? kEnoughVertices : kEnoughForThird);
   };
   for (int level = 0; goes_on(level); ++level) {
-    const bool is_last =
-        level + 1 >= options.subdivisions || !is_coarse(4.0 * mesh.vertex_count(), kEnoughVertices);
+    const double edges = 1.5 * mesh.face_count();
+    const bool is_last = level + 1 >= options.subdivisions ||
+                         !is_coarse(mesh.vertex_count() + edges, kEnoughVertices);
     progress.set_range(0.1 * level, 0.1 * level);
     if (is_last && level > 0 && options.fine_enough > 0.0 &&
         cloud.size() >= options.fine_enough_from &&
@@ -313,9 +314,10 @@ ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud&
 
 double part_of_samples_far(const SurfaceMesh& surface, const PointCloud& cloud, double noise,
                            Progress& progress) {
-  const double of_noise = kMostDeviations * noise * cloud.spacing;
+  const double of_noise = cloud.is_denoised() ? 0.0 : kMostDeviations * noise;
   return part_out_of_reach(
-      surface, cloud, [&](Index i) { return cloud.local_spacing[i] + of_noise; }, progress);
+      surface, cloud,
+      [&](Index i) { return cloud.local_spacing[i] + of_noise * cloud.spacing_at(i); }, progress);
 }
 
 std::vector<char> mark_membranes(const SurfaceMesh& surface, const PointCloud& cloud,

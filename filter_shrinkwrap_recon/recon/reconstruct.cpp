@@ -3,98 +3,22 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <new>
 
 #include "bodies.h"
 #include "bounding_box_start.h"
+#include "detail.h"
 #include "finish_matching.h"
 #include "freed_memory.h"
 #include "memory_estimate.h"
 #include "outliers_on_surface.h"
+#include "second_attempt.h"
 #include "self_intersection.h"
+#include "stage_log.h"
 #include "stage_qualities.h"
 
 namespace shrinkwrap {
 namespace {
-
-class Stopwatch {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - begin_).count();
-    begin_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-};
-
-// Collects the rows of table 1 while the stages pass by.
-class StageLog {
- public:
-  StageLog(Reconstruction& result, const ReconstructionOptions& options)
-      : result_(result), keep_meshes_(options.keep_stages) {}
-
-  void add(Stage stage, Index vertices) {
-    StageRecord record;
-    record.name = stage_name(stage);
-    record.vertices = vertices;
-    record.seconds = held_ + watch_.lap();
-    held_ = 0.0;
-    result_.stages.push_back(std::move(record));
-  }
-  // The last stage took longer, and left so many vertices.
-  void go_on(Index vertices) {
-    result_.stages.back().vertices = vertices;
-    result_.stages.back().seconds += watch_.lap();
-  }
-  void go_on() { result_.stages.back().seconds += watch_.lap(); }
-  // What went before is time of the stage that is to be added next.
-  void hold() { held_ += watch_.lap(); }
-  // The last stage made another mesh.
-  template <class MakeMesh>
-  void replace(Index vertices, const MakeMesh& make_mesh) {
-    hold();
-    result_.stages.back().vertices = vertices;
-    if (!keep_meshes_) return;
-    result_.stages.back().mesh = make_mesh();
-    watch_.lap();
-  }
-  // What was logged elsewhere.
-  void skip() { watch_.lap(); }
-  // `make_mesh` is called only if the caller wants the stages; its time is not the stage's.
-  template <class MakeMesh>
-  void add(Stage stage, Index vertices, const MakeMesh& make_mesh) {
-    add(stage, vertices);
-    if (!keep_meshes_) return;
-    result_.stages.back().mesh = make_mesh();
-    watch_.lap();
-  }
-  // A mesh that takes no time, and is not a row of the table.
-  template <class MakeMesh>
-  void add_layer(const char* name, const MakeMesh& make_mesh) {
-    if (!keep_meshes_) return;
-    StageRecord record;
-    record.name = name;
-    record.mesh = make_mesh();
-    record.vertices = static_cast<Index>(record.mesh.position.size());
-    result_.stages.push_back(std::move(record));
-    watch_.lap();
-  }
-
- private:
-  Reconstruction& result_;
-  bool keep_meshes_;
-  Stopwatch watch_;
-  double held_ = 0.0;  // seconds of the stage to come
-};
-
-bool is_robust(const ReconstructionOptions& options) {
-  return options.initial_mesh.start == InitialMeshOptions::Start::winding_number;
-}
 
 // Whether the surface is fitted to samples that are moved onto the one that they suggest.
 bool may_denoise(const ReconstructionOptions& options, double noise) {
@@ -140,49 +64,6 @@ DenoisingReport smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise,
   return report;
 }
 
-// Parts that are sampled far more closely than the rest may be lost in the control mesh: if so,
-// makes the surface anew of finer ones, and keeps the one that is near most samples. There is one
-// already: that another cannot be made is no failure of the run.
-void keep_detail(const SurfaceMesh& initial, const PointCloud& cloud,
-                 const ReconstructionOptions& options, FittedSurface& fitted,
-                 Reconstruction& result, StageLog& log, Progress& progress) {
-  constexpr Index kFiner = 4;
-  constexpr double kFewer = 0.75;  // x samples far: what is no nearer to most is only rougher
-  DetailReport& detail = result.detail;
-  const auto part_far = [&](const FittedSurface& of) {
-    return part_of_samples_far(of.surface.mesh, cloud, result.noise, progress);
-  };
-  const auto try_finer = [&](Index vertices) {
-    const ControlMeshReport& coarse = result.control_mesh;
-    if (vertices <= coarse.vertices || coarse.vertices >= coarse.vertices_before) return;
-    ControlMeshOptions control_options = options.control_mesh;
-    control_options.target_vertices = vertices;
-    log.hold();
-    ControlMesh control = make_control_mesh(initial, cloud.size(), control_options, progress);
-    log.go_on();
-    round_to_host(control.mesh, cloud.frame, options.host_scalar);
-    FittedSurface other = fit_surface(control.mesh, cloud, options, progress);
-    ++detail.surfaces;
-    const double far = part_far(other);
-    if (far > kFewer * detail.far) return;
-    detail.far = far;
-    fitted = std::move(other);
-    result.control_mesh = control.report;
-    log.replace(control.mesh.vertex_count(),
-                [&] { return to_result(control.mesh, cloud.frame, progress); });
-  };
-  detail.surfaces = 1;
-  detail.far_at_first = detail.far = part_far(fitted);
-  const Index finer = kFiner * result.control_mesh.target_vertices;
-  try {
-    if (detail.far > options.most_samples_far && finer < cloud.size()) try_finer(finer);
-    if (detail.far > options.most_samples_far) try_finer(cloud.size());
-  } catch (const ReconstructionFailed&) {
-  } catch (const InvalidInput&) {
-  } catch (const std::bad_alloc&) {
-  }
-}
-
 // From the cloud to the parametric surface.
 FittedSurface make_surface(PointCloud& cloud, const ReconstructionOptions& options,
                            Reconstruction& result, StageLog& log, Progress& progress) {
@@ -196,9 +77,8 @@ FittedSurface make_surface(PointCloud& cloud, const ReconstructionOptions& optio
   log.add(Stage::initial_mesh, initial.mesh.vertex_count(),
           [&] { return to_result(initial.mesh, cloud.frame, progress); });
 
-  const bool may_keep_detail = is_robust(options) && options.control_mesh.target_vertices == 0 &&
-                               options.most_samples_far < 1.0;
-  ControlMesh control = make_control_mesh(may_keep_detail ? initial.mesh : std::move(initial.mesh),
+  const bool is_needed = may_keep_detail(options);
+  ControlMesh control = make_control_mesh(is_needed ? initial.mesh : std::move(initial.mesh),
                                           cloud.size(), options.control_mesh, progress);
   round_to_host(control.mesh, cloud.frame, options.host_scalar);
   log.add(Stage::control_mesh, control.mesh.vertex_count(),
@@ -213,7 +93,7 @@ FittedSurface make_surface(PointCloud& cloud, const ReconstructionOptions& optio
         denoise(cloud, result.noise, options.samples.neighbours, options.denoising, progress);
   }
   FittedSurface fitted = fit_surface(std::move(control.mesh), cloud, options, progress);
-  if (may_keep_detail) keep_detail(initial.mesh, cloud, options, fitted, result, log, progress);
+  if (is_needed) keep_detail(initial.mesh, cloud, options, fitted, result, log, progress);
   initial.mesh = SurfaceMesh();
   result.parametric_surface = fitted.surface.report;
   log.add(Stage::parametric_surface, fitted.surface.mesh.vertex_count(),
@@ -248,89 +128,6 @@ void match(SurfaceMesh parametric, PointCloud& cloud, const std::vector<Vec3>& p
   result.complete_matching.extra_vertices = optimised.extra_vertices;
   log.add(Stage::edge_optimisation, matching.mesh.vertex_count());
   if (options.keep_stages) result.mesh.vertex_quality = distances(result.mesh);
-}
-
-// Faces that nobody wants in a mesh through the samples, and that tell of a wrong surface: those
-// that met others until they were annealed, and those with a corner that is no sample.
-Index faults_of(const Reconstruction& result, Index samples) {
-  Index count = result.intersection_repair.persistent_faces();
-  if (result.complete_matching.extra_vertices == 0) return count;
-  const std::vector<Index>& meeting = result.intersection_repair.remaining_faces;
-  const std::vector<Triangle>& triangles = result.mesh.triangles;
-  for (std::size_t f = 0; f < triangles.size(); ++f) {
-    const Triangle& t = triangles[f];
-    if (std::max({t[0], t[1], t[2]}) >= samples &&
-        !std::binary_search(meeting.begin(), meeting.end(), static_cast<Index>(f)))
-      ++count;
-  }
-  return count;
-}
-
-// A copy without the stages so far, which may hold meshes.
-Reconstruction without_stages(Reconstruction& result) {
-  std::vector<StageRecord> stages;
-  stages.swap(result.stages);
-  Reconstruction copy = result;
-  result.stages.swap(stages);
-  return copy;
-}
-
-// Takes the better of two attempts, and reports it as `which`. The table tells the time that both
-// took.
-void keep_better(Reconstruction& first, Reconstruction& second, const SecondAttempt& attempt,
-                 SecondAttempt Reconstruction::*which) {
-  for (StageRecord& row : second.stages) {
-    const auto same =
-        std::find_if(first.stages.begin(), first.stages.end(),
-                     [&](const StageRecord& other) { return other.name == row.name; });
-    row.seconds += same->seconds;
-    if (attempt.is_taken)
-      *same = std::move(row);
-    else
-      same->seconds = row.seconds;
-  }
-  if (attempt.is_taken) {
-    second.stages = std::move(first.stages);
-    first = std::move(second);
-  }
-  first.*which = attempt;
-}
-
-// If the first attempt has faults, makes `second` by `make`, of the same samples, and keeps the
-// better of the two. There is a mesh already: that the second cannot be finished is no failure of
-// the run. A cloud most of whose faces are at fault shows no surface, and is left at that. Of one
-// surface both have the genus, whatever openings then cut off.
-template <class Make>
-void try_again(Reconstruction& first, Reconstruction& second, Index samples,
-               SecondAttempt Reconstruction::*which, bool is_same_surface, Progress& progress,
-               const Make& make) {
-  SecondAttempt attempt;
-  attempt.faults_before = faults_of(first, samples);
-  const Index faces = static_cast<Index>(first.mesh.triangles.size());
-  if (attempt.faults_before == 0 || attempt.faults_before >= faces / 2) return;
-  attempt.is_made = true;
-  second.outliers = first.outliers;  // some may be samples by now
-  try {
-    make();
-    const Index faults = faults_of(second, samples);
-    const auto left = [](const Reconstruction& r) { return r.intersection_repair.faces_after; };
-    if (faults < attempt.faults_before && left(second) <= left(first)) {
-      PromiseOptions promise;  // that the samples are matched was seen when they were
-      promise.may_be_open = true;
-      promise.matches_samples = false;
-      promise.report.count_self_intersections = false;
-      const MeshReport report =
-          check_promise(second.mesh, second.mesh.position, kNone, promise, progress);
-      const MeshReport before =
-          measure_mesh(first.mesh.position, first.mesh.triangles, {}, promise.report, progress);
-      attempt.is_taken = is_same_surface || report.genus <= before.genus;
-    }
-    attempt.faults = faults;
-    attempt.is_finished = true;
-  } catch (const ReconstructionFailed&) {
-  } catch (const std::bad_alloc&) {
-  }
-  keep_better(first, second, attempt, which);
 }
 
 // The same again with the backs of sheets as openings, where they may have done harm. Near the
@@ -413,7 +210,7 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   log.add(Stage::samples, cloud.size());
 
   if (options.outliers.exclude) {
-    result.outliers = exclude_outliers(cloud, points, options.samples, options.outliers, progress);
+    result.outliers = exclude_outliers(cloud, points, options.outliers, progress);
     log.add(Stage::outliers, cloud.size());
   }
   result.spacing = cloud.frame.to_input_length(cloud.spacing);
@@ -469,6 +266,10 @@ ReconstructionOptions as_in_the_paper() {
   options.edge_optimisation.criterion = EdgeOptimisationOptions::Criterion::quadric;
   options.edge_optimisation.crease_angle = 0.0;
   return options;
+}
+
+bool is_robust(const ReconstructionOptions& options) {
+  return options.initial_mesh.start == InitialMeshOptions::Start::winding_number;
 }
 
 HostScalar host_scalar_for(const std::vector<Vec3>& points, const ReconstructionOptions& options) {

@@ -61,6 +61,9 @@ struct ReconstructionOptions {
 /// insert, quadrics.
 ReconstructionOptions as_in_the_paper();
 
+/// Whether the start is not the paper's: what is asked of the surface beyond it, is of such a run.
+bool is_robust(const ReconstructionOptions& options);
+
 struct StageRecord {
   std::string name;
   Index vertices = 0;
@@ -80,8 +83,8 @@ struct SecondAttempt {
 
 /// Whether a surface showed what the samples do: see `ReconstructionOptions::most_samples_far`.
 struct DetailReport {
-  double far_at_first = 0.0;  ///< part of the samples; of those far from the first surface
-  double far = 0.0;           ///< from the surface that stays
+  double far_at_first = 0.0;  ///< part of the samples that are far from the first surface
+  double far = 0.0;           ///< the same of the surface that stays
   int surfaces = 0;           ///< that were made; 0: not looked at
 };
 

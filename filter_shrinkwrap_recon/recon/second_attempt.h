@@ -1,0 +1,24 @@
+// Another mesh of the same samples where the first has faults: the better of the two is kept.
+#pragma once
+
+#include <functional>
+
+#include "reconstruct.h"
+
+namespace shrinkwrap {
+
+/// A copy without the stages so far, which may hold meshes: what a second attempt begins with.
+Reconstruction without_stages(Reconstruction& result);
+
+/// If `first` has faults (SecondAttempt), makes `second` by `make`, of the same samples, and keeps
+/// the better of the two in `first`, with the time that both took; reports it as `which`. There is
+/// a mesh already: that the second cannot be finished is no failure of the run. A cloud most of
+/// whose faces are at fault shows no surface, and is left at that. Of the same surface
+/// (`is_same_surface`) both have the genus, whatever openings then cut off: it is not compared.
+/// `samples`: how many of the vertices are samples, by their index. Pre: `second` has a stage only
+/// if `first` has one of that name.
+void try_again(Reconstruction& first, Reconstruction& second, Index samples,
+               SecondAttempt Reconstruction::*which, bool is_same_surface, Progress& progress,
+               const std::function<void()>& make);
+
+}  // namespace shrinkwrap
