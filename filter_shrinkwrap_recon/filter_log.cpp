@@ -148,12 +148,16 @@ std::string notches_filled(Index count) {
 void tell_of_attempts(const Reconstruction& result, FilterOutcome& outcome) {
   const auto tell = [&](const SecondAttempt& attempt, const std::string& what) {
     if (!attempt.is_made) return;
-    const std::string faults = count_of(attempt.faults_before, "faulty face") +
-                               " (faces that meet others, or have a corner that is no sample)";
-    outcome.log.push_back("Matched again because of " + faults + ", " + what + ": " +
-                          (attempt.is_finished ? std::to_string(attempt.faults) + " then, and " +
-                                                     (attempt.is_taken ? "taken" : "not taken")
-                                               : "no mesh came of it"));
+    const MatchingFaults &first = attempt.first, &second = attempt.second;
+    outcome.log.push_back(
+        "Matched again because of " + count_of(first.meeting, "face") +
+        " that met others until the end and " +
+        count_of(first.extra_vertices, "vertex that is no sample", "vertices that are no samples") +
+        ", " + what + ": " +
+        (attempt.is_finished
+             ? std::to_string(second.meeting) + " and " + std::to_string(second.extra_vertices) +
+                   " then, and " + (attempt.is_taken ? "taken" : "not taken")
+             : "no mesh came of it"));
   };
   tell(result.backs, "with the backs of sheets, where no sample is, as openings");
   tell(result.smoothing, "with a surface smoothed for the noise, of quadrics in place of planes");

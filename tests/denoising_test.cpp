@@ -329,7 +329,7 @@ TEST(Denoising, ParallelSheetsOfFewSamplesArePartedInASecondAttempt) {
     const std::vector<Vec3> points = sample_shape(ShapeKind::thin_plate, 300, seed);
     const Reconstruction result = reconstruct_with(points, {});
     EXPECT_TRUE(result.smoothing.is_taken);
-    EXPECT_GT(result.smoothing.faults_before, 10);
+    EXPECT_GT(result.smoothing.first.weight(), 10);
     EXPECT_EQ(result.report.self_intersecting_faces, 0);
     EXPECT_EQ(result.report.genus, 0);
     EXPECT_EQ(result.report.samples_matched, 300);
@@ -343,7 +343,7 @@ TEST(Denoising, ASecondAttemptWithMoreHandlesIsNotTaken) {
   options.most_samples_far = 1.0;
   const Reconstruction result = reconstruct_with(points, options);
   EXPECT_TRUE(result.smoothing.is_finished);
-  EXPECT_LT(result.smoothing.faults, result.smoothing.faults_before);
+  EXPECT_LT(result.smoothing.second.weight(), result.smoothing.first.weight());
   EXPECT_FALSE(result.smoothing.is_taken);
   EXPECT_EQ(result.report.genus, 2);
 }

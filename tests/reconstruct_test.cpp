@@ -96,8 +96,8 @@ TEST(Reconstruct, ASheetHasOneSide) {
     const std::vector<Vec3> points = sample_strip(600, seed);
     const Reconstruction open = reconstruct_silently(points, options);
     EXPECT_TRUE(open.backs.is_taken);
-    EXPECT_GT(open.backs.faults_before, 10);
-    EXPECT_EQ(open.backs.faults, 0);
+    EXPECT_GT(open.backs.first.weight(), 10);
+    EXPECT_EQ(open.backs.second.weight(), 0);
     EXPECT_EQ(open.mesh.position, points);
     EXPECT_TRUE(open.report.manifold());
     EXPECT_EQ(open.report.border_loops, 1);

@@ -71,14 +71,22 @@ struct StageRecord {
   ResultMesh mesh;  ///< only if keep_stages
 };
 
-/// A mesh that has faults - faces that met others until they were annealed, or still do, or that
-/// have a corner that is no sample - may get a second attempt, unless most faces are faulty; that
-/// is taken if it has fewer faulty faces, no more that still meet others, and no more handles.
+/// What nobody wants in a mesh through the samples, and what tells of a wrong surface.
+struct MatchingFaults {
+  Index meeting = 0;         ///< faces that meet others, or did until they were annealed
+  Index still_meeting = 0;   ///< of these, in the end
+  Index extra_vertices = 0;  ///< that are no samples
+  /// What breaks the promise counts for five faces that were annealed.
+  Index weight() const { return meeting + 4 * still_meeting + 5 * extra_vertices; }
+};
+
+/// A mesh that has faults may get a second attempt, unless most of its faces are faulty; that is
+/// taken if its faults weigh less, with no more faces that still meet others, and no more handles.
 struct SecondAttempt {
   bool is_made = false;
   bool is_finished = false;  ///< false: no mesh came of it
   bool is_taken = false;
-  Index faults_before = 0, faults = 0;  ///< faces; `faults` only if finished
+  MatchingFaults first, second;  ///< of either mesh; `second` only if finished
 };
 
 /// Whether a surface showed what the samples do: see `ReconstructionOptions::most_samples_far`.

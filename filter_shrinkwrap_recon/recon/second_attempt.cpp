@@ -6,20 +6,11 @@
 namespace shrinkwrap {
 namespace {
 
-// Faces that nobody wants in a mesh through the samples, and that tell of a wrong surface: those
-// that met others until they were annealed, and those with a corner that is no sample.
-Index faults_of(const Reconstruction& result, Index samples) {
-  Index count = result.intersection_repair.persistent_faces();
-  if (result.complete_matching.extra_vertices == 0) return count;
-  const std::vector<Index>& meeting = result.intersection_repair.remaining_faces;
-  const std::vector<Triangle>& triangles = result.mesh.triangles;
-  for (std::size_t f = 0; f < triangles.size(); ++f) {
-    const Triangle& t = triangles[f];
-    if (std::max({t[0], t[1], t[2]}) >= samples &&
-        !std::binary_search(meeting.begin(), meeting.end(), static_cast<Index>(f)))
-      ++count;
-  }
-  return count;
+constexpr Index kFacesPerVertex = 6;
+
+MatchingFaults faults_of(const Reconstruction& result) {
+  const RepairReport& repair = result.intersection_repair;
+  return {repair.persistent_faces(), repair.faces_after, result.complete_matching.extra_vertices};
 }
 
 // Takes the better of two attempts, and reports it as `which`. The table tells the time that both
@@ -53,20 +44,20 @@ Reconstruction without_stages(Reconstruction& result) {
   return copy;
 }
 
-void try_again(Reconstruction& first, Reconstruction& second, Index samples,
-               SecondAttempt Reconstruction::*which, bool is_same_surface, Progress& progress,
-               const std::function<void()>& make) {
+void try_again(Reconstruction& first, Reconstruction& second, SecondAttempt Reconstruction::*which,
+               bool is_same_surface, Progress& progress, const std::function<void()>& make) {
   SecondAttempt attempt;
-  attempt.faults_before = faults_of(first, samples);
-  const Index faces = static_cast<Index>(first.mesh.triangles.size());
-  if (attempt.faults_before == 0 || attempt.faults_before >= faces / 2) return;
+  attempt.first = faults_of(first);
+  const std::size_t faulty_faces = static_cast<std::size_t>(attempt.first.meeting) +
+                                   kFacesPerVertex * attempt.first.extra_vertices;
+  if (faulty_faces == 0 || faulty_faces >= first.mesh.triangles.size() / 2) return;
   attempt.is_made = true;
   second.outliers = first.outliers;  // some may be samples by now
   try {
     make();
-    const Index faults = faults_of(second, samples);
-    const auto left = [](const Reconstruction& r) { return r.intersection_repair.faces_after; };
-    if (faults < attempt.faults_before && left(second) <= left(first)) {
+    attempt.second = faults_of(second);
+    if (attempt.second.weight() < attempt.first.weight() &&
+        attempt.second.still_meeting <= attempt.first.still_meeting) {
       PromiseOptions promise;  // that the samples are matched was seen when they were
       promise.may_be_open = true;
       promise.matches_samples = false;
@@ -77,7 +68,6 @@ void try_again(Reconstruction& first, Reconstruction& second, Index samples,
           measure_mesh(first.mesh.position, first.mesh.triangles, {}, promise.report, progress);
       attempt.is_taken = is_same_surface || report.genus <= before.genus;
     }
-    attempt.faults = faults;
     attempt.is_finished = true;
   } catch (const ReconstructionFailed&) {
   } catch (const std::bad_alloc&) {

@@ -15,10 +15,8 @@ Reconstruction without_stages(Reconstruction& result);
 /// a mesh already: that the second cannot be finished is no failure of the run. A cloud most of
 /// whose faces are at fault shows no surface, and is left at that. Of the same surface
 /// (`is_same_surface`) both have the genus, whatever openings then cut off: it is not compared.
-/// `samples`: how many of the vertices are samples, by their index. Pre: `second` has a stage only
-/// if `first` has one of that name.
-void try_again(Reconstruction& first, Reconstruction& second, Index samples,
-               SecondAttempt Reconstruction::*which, bool is_same_surface, Progress& progress,
-               const std::function<void()>& make);
+/// Pre: `second` has a stage only if `first` has one of that name.
+void try_again(Reconstruction& first, Reconstruction& second, SecondAttempt Reconstruction::*which,
+               bool is_same_surface, Progress& progress, const std::function<void()>& make);
 
 }  // namespace shrinkwrap

@@ -1,0 +1,108 @@
+#include "second_attempt.h"
+
+#include <gtest/gtest.h>
+
+#include <new>
+
+#include "shapes.h"
+
+namespace shrinkwrap {
+namespace {
+
+ResultMesh as_result(const SurfaceMesh& surface) {
+  ResultMesh mesh;
+  mesh.position = surface.position;
+  mesh.triangles = surface.triangles();
+  return mesh;
+}
+
+// A run that made a sphere with these faults.
+Reconstruction with_faults(MatchingFaults faults) {
+  Reconstruction run;
+  run.mesh = as_result(testing::icosphere(3));
+  run.intersection_repair.annealed = 1;
+  run.intersection_repair.faces_before_annealing = faults.meeting;
+  run.intersection_repair.faces_after = faults.still_meeting;
+  run.complete_matching.extra_vertices = faults.extra_vertices;
+  return run;
+}
+
+const std::function<void()> kMake = [] {};
+
+struct Outcome {
+  SecondAttempt attempt;
+  Reconstruction kept;
+};
+
+Outcome after(Reconstruction first, Reconstruction second, bool is_same_surface = false,
+              const std::function<void()>& make = kMake) {
+  Progress silent;
+  try_again(first, second, &Reconstruction::backs, is_same_surface, silent, make);
+  return {first.backs, std::move(first)};
+}
+
+TEST(SecondAttempt, IsNotMadeWithoutFaults) {
+  EXPECT_FALSE(after(with_faults({}), with_faults({})).attempt.is_made);
+}
+
+TEST(SecondAttempt, IsNotMadeIfMostFacesAreFaulty) {
+  EXPECT_TRUE(after(with_faults({639, 0, 0}), with_faults({})).attempt.is_made);
+  EXPECT_FALSE(after(with_faults({640, 0, 0}), with_faults({})).attempt.is_made);
+  EXPECT_FALSE(after(with_faults({0, 0, 107}), with_faults({})).attempt.is_made);
+}
+
+TEST(SecondAttempt, IsTakenIfItsFaultsWeighLess) {
+  const Outcome outcome = after(with_faults({20, 20, 0}), with_faults({0, 0, 3}));
+  EXPECT_TRUE(outcome.attempt.is_taken);
+  EXPECT_EQ(outcome.attempt.first.still_meeting, 20);
+  EXPECT_EQ(outcome.attempt.second.extra_vertices, 3);
+  EXPECT_EQ(outcome.kept.complete_matching.extra_vertices, 3);
+}
+
+// What was mended weighs little against what breaks the promise.
+TEST(SecondAttempt, IsNotTakenForFewerAnnealedFacesAtThePriceOfExtraVertices) {
+  EXPECT_FALSE(after(with_faults({18, 0, 0}), with_faults({0, 0, 4})).attempt.is_taken);
+  EXPECT_TRUE(after(with_faults({18, 0, 4}), with_faults({0, 0, 4})).attempt.is_taken);
+}
+
+TEST(SecondAttempt, IsNotTakenIfMoreFacesMeet) {
+  EXPECT_FALSE(after(with_faults({2, 2, 50}), with_faults({3, 3, 0})).attempt.is_taken);
+}
+
+TEST(SecondAttempt, IsNotTakenWithMoreHandlesOfAnotherSurface) {
+  Reconstruction torus = with_faults({});
+  torus.mesh = as_result(testing::torus_mesh(24, 12));
+  EXPECT_FALSE(after(with_faults({5, 0, 0}), torus).attempt.is_taken);
+  EXPECT_TRUE(after(with_faults({5, 0, 0}), torus, true).attempt.is_taken);
+}
+
+TEST(SecondAttempt, LeavesTheFirstIfItCannotBeFinished) {
+  const std::vector<std::function<void()>> failures = {[] { throw ReconstructionFailed("none"); },
+                                                       [] { throw std::bad_alloc(); }};
+  for (const std::function<void()>& fails : failures) {
+    const Outcome outcome = after(with_faults({5, 5, 0}), with_faults({}), false, fails);
+    EXPECT_TRUE(outcome.attempt.is_made);
+    EXPECT_FALSE(outcome.attempt.is_finished);
+    EXPECT_FALSE(outcome.attempt.is_taken);
+    EXPECT_EQ(outcome.kept.intersection_repair.faces_after, 5);
+  }
+}
+
+TEST(SecondAttempt, TimesAreThoseOfBoth) {
+  Reconstruction first = with_faults({5, 5, 0}), second = with_faults({});
+  const auto row = [](const char* name, double seconds) {
+    StageRecord record;
+    record.name = name;
+    record.seconds = seconds;
+    return record;
+  };
+  first.stages = {row("samples", 1.0), row("matching", 2.0)};
+  second.stages = {row("matching", 4.0)};
+  const Outcome outcome = after(std::move(first), std::move(second));
+  ASSERT_EQ(outcome.kept.stages.size(), 2u);
+  EXPECT_EQ(outcome.kept.stages[0].seconds, 1.0);
+  EXPECT_EQ(outcome.kept.stages[1].seconds, 6.0);
+}
+
+}  // namespace
+}  // namespace shrinkwrap
