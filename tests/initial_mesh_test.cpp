@@ -135,6 +135,14 @@ TEST(InitialMesh, SamplesFourteenTimesAsFarApartAsMostHaveNoHolesBetweenThem) {
   expect_closed_manifold(initial_mesh_of(samples).mesh, 1, 0);
 }
 
+// Planes of dense samples reach as far as the larger voxels need.
+TEST(InitialMesh, LargerVoxelsAreSolidBehindDenseSamples) {
+  const InitialMesh initial =
+      initial_mesh_of(oriented_cloud(testing::sample_spiked_ball(1000, 20.0)));
+  ASSERT_TRUE(initial.report.voxels_are_larger);
+  EXPECT_GT(initial.report.samples_with_solid_behind, 0.999);
+}
+
 TEST(InitialMesh, ClumpsOfStrayPointsAreNoBodies) {
   std::vector<Vec3> points = sample_shape(ShapeKind::sphere, 4000, 12);
   Random random(13);

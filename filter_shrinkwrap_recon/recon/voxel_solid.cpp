@@ -93,10 +93,11 @@ SampleBins bin_samples(const PointCloud& cloud, const VoxelLattice& lattice, dou
   for (Index i = 0; i < cloud.size(); ++i) place[i] = cursor[bin[i]]++;
 
   bins.plane.resize(cloud.position.size());
+  const double least = least_spacing * cloud.spacing,
+               greatest = std::max(kGreatestSpacing * cloud.spacing, least);
   parallel_for_each(cloud.size(), kSampleGrain, progress, [&](Index i) {
-    const double spacing = std::clamp<double>(cloud.local_spacing[i], least_spacing * cloud.spacing,
-                                              kGreatestSpacing * cloud.spacing) /
-                           lattice.size;
+    const double spacing =
+        std::clamp<double>(cloud.local_spacing[i], least, greatest) / lattice.size;
     const Voxel& holder = brick[i];
     const Vec3 corner(holder[0], holder[1], holder[2]);
     SamplePlane& plane = bins.plane[place[i]];
@@ -147,14 +148,17 @@ class Classification {
   };
 
   // Where most samples are so far apart, for the median spacing, that the voxels between them would
-  // be many times the samples, voxels are larger.
+  // be many times the samples, voxels are larger; samples count as being as far apart as suits
+  // these, for their planes to reach over two or three voxels.
   SampleBins add_bricks_in_reach(Progress& progress) {
     const std::size_t most =
         std::max(kMostBricksPerSample * cloud_.position.size(), kMostBricksOfFewSamples);
     const Box box = bounding_box(cloud_.position);
-    for (double size = options_.voxel_size * cloud_.spacing;; size = 2.0 * solid_.lattice.size) {
+    const double asked_for = options_.voxel_size * cloud_.spacing;
+    for (double size = asked_for;; size = 2.0 * solid_.lattice.size) {
       solid_.lattice = lattice_over(box, size);
-      SampleBins bins = bin_samples(cloud_, solid_.lattice, 1.0, options_, progress);
+      const double least_spacing = solid_.lattice.size / asked_for;
+      SampleBins bins = bin_samples(cloud_, solid_.lattice, least_spacing, options_, progress);
       const std::vector<std::uint64_t> bricks = bricks_in_reach(bins, progress);
       if (bricks.size() > most) continue;
       for (const std::uint64_t key : bricks) solid_.image.add(brick_of_key(key));
