@@ -151,7 +151,7 @@ void tell_of_attempts(const Reconstruction& result, FilterOutcome& outcome) {
     const MatchingFaults &first = attempt.first, &second = attempt.second;
     outcome.log.push_back(
         "Matched again because of " + count_of(first.meeting, "face") +
-        " that met others until the end and " +
+        " that met others until annealed, or still do, and " +
         count_of(first.extra_vertices, "vertex that is no sample", "vertices that are no samples") +
         ", " + what + ": " +
         (attempt.is_finished
