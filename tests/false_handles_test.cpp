@@ -25,19 +25,20 @@ InitialMesh initial_mesh_of(const std::vector<Vec3>& points, bool is_cut = true)
 TEST(FalseHandles, AreCutFromThinWalls) {
   // A wall of 0.16 and one of 0.08: some two and one and a half spacings of samples at random.
   for (const ShapeKind kind : {ShapeKind::bowl, ShapeKind::thin_plate}) {
-    Index left = 0;
-    for (const unsigned seed : {1u, 2u, 3u, 4u}) {
+    Index before = 0, left = 0;
+    for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
       const auto points = sample_shape(kind, 1000, seed);
       const Index handles = initial_mesh_of(points, false).report.genus;
-      EXPECT_GT(handles, 1) << "there is nothing to cut: this test tests nothing";
       const InitialMesh result = initial_mesh_of(points);
       EXPECT_EQ(result.report.false_handles, handles - result.report.genus);
       EXPECT_TRUE(result.mesh.is_consistent());
       expect_closed_manifold(result.mesh, result.report.components + result.report.cavities,
                              result.report.genus);
+      before += handles;
       left += result.report.genus;
     }
-    EXPECT_LE(left, 5) << shape_of(kind).name;
+    EXPECT_GE(before, 9) << "there is little to cut: this test tests little";
+    EXPECT_LE(left, 1) << shape_of(kind).name;
   }
 }
 
@@ -49,7 +50,7 @@ TEST(FalseHandles, AreCutFromANarrowGap) {
     left += initial_mesh_of(points).report.genus;
   }
   EXPECT_GE(before, 12);
-  EXPECT_LE(2 * left, before + 2);
+  EXPECT_LT(left, before - 2);
 }
 
 TEST(FalseHandles, AreNoneOfTheObject) {

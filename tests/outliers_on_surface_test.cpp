@@ -90,7 +90,7 @@ TEST(OutliersOnSurface, ASecondAttemptHasTheSameSamples) {
       // Two noisy layers, too close to each other to be told apart.
       for (int i = 0; i < 32; ++i)
         for (int j = 0; j < 32; ++j)
-          for (const double z : {0.0, 1.0})
+          for (const double z : {0.0, 0.5})
             points.push_back((Vec3(48 + i, j, z) + 0.5 * random.in_cube()) / 32.0);
       Progress silent;
       ReconstructionOptions options;

@@ -39,30 +39,31 @@ SampleVotes draw_samples(const PointCloud& cloud, const OrientationOptions& opti
   return samples;
 }
 
-// Takes the signs of the views for the components that are seen more clearly with them, from
-// drawings so fine that no wall is seen through. With open sheets they are not followed: these show
-// their hills from above and their valleys from below.
-void follow_views(const PointCloud& cloud, const OrientationOptions& options,
-                  const SampleVotes& votes, SpanningForest& forest, Progress& progress) {
-  const SampleVotes finer = votes.drawn.size() == cloud.position.size()
-                                ? SampleVotes()
-                                : draw_samples(cloud, options, options.judging_samples,
-                                               options.judging_directions, progress);
-  const SampleVotes& judges = finer.drawn.empty() ? votes : finer;
-  const auto components = static_cast<std::size_t>(forest.components);
-  std::vector<VisibilityVote> by_edges(components), by_views(components);
-  for (std::size_t k = 0; k < judges.drawn.size(); ++k) {
-    const Index i = judges.drawn[k], component = forest.component_of_sample[i];
-    VisibilityVote vote = judges.votes[k];
-    by_edges[component].add(forest.flipped[i] ? vote.turned() : vote);
-    by_views[component].add(forest.flipped_by_views[i] ? vote.turned() : vote);
-  }
-  for (Index i = 0; i < cloud.size(); ++i) {
-    const Index component = forest.component_of_sample[i];
-    const double majority = std::abs(by_views[component].majority());
-    if (majority >= options.least_of_a_body && majority > std::abs(by_edges[component].majority()))
-      forest.flipped[i] = forest.flipped_by_views[i];
-  }
+// Takes the signs that neighbours and views agreed upon for the components in which less goes
+// against them than against those of the spanning tree, by all edges and by drawings so fine that
+// no wall is seen through. These are not made if the coarser ones are against it already.
+void follow_agreement(const PointCloud& cloud, int neighbours, const OrientationOptions& options,
+                      const SampleVotes& votes, SpanningForest& forest, Progress& progress) {
+  const SideAgreement agreement(cloud);
+  const auto is_better = [&](const SampleVotes& judges) {
+    const auto against = [&](const std::vector<char>& flipped) {
+      return disagreement(cloud, agreement, neighbours, forest.component_of_sample,
+                          forest.components, flipped, judges, options.judging_weight,
+                          options.signs.least_majority);
+    };
+    const std::vector<double> by_tree = against(forest.flipped),
+                              by_agreement = against(forest.flipped_as_agreed);
+    std::vector<char> better(by_tree.size());
+    for (std::size_t c = 0; c < better.size(); ++c) better[c] = by_agreement[c] < by_tree[c];
+    return better;
+  };
+  std::vector<char> better = is_better(votes);
+  if (std::find(better.begin(), better.end(), 1) == better.end()) return;
+  if (votes.drawn.size() < cloud.position.size())
+    better = is_better(draw_samples(cloud, options, options.judging_samples,
+                                    options.judging_directions, progress));
+  for (Index i = 0; i < cloud.size(); ++i)
+    if (better[forest.component_of_sample[i]]) forest.flipped[i] = forest.flipped_as_agreed[i];
 }
 
 // Chooses a sign for every component, layer by layer from outside.
@@ -247,9 +248,10 @@ OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& op
   SampleVotes votes =
       draw_samples(cloud, options, options.propagation_samples, options.view_directions, progress);
   progress.set_range(0.25, 0.6);
-  SpanningForest forest =
-      span_normals(cloud, options.propagation_neighbours, votes, options.signs, progress);
-  if (!forest.flipped_by_views.empty()) follow_views(cloud, options, votes, forest, progress);
+  const int neighbours = std::clamp(options.propagation_neighbours, 1, cloud.neighbour_count - 1);
+  SpanningForest forest = span_normals(cloud, neighbours, votes, options.signs, progress);
+  if (!forest.flipped_as_agreed.empty())
+    follow_agreement(cloud, neighbours, options, votes, forest, progress);
   parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
     if (forest.flipped[i]) cloud.normal[i] = -cloud.normal[i];
   });

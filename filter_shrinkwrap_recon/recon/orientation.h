@@ -8,7 +8,7 @@
 namespace shrinkwrap {
 
 struct OrientationOptions {
-  int propagation_neighbours = 10;  ///< edges per sample of the graph that carries orientation
+  int propagation_neighbours = 10; ///< edges per sample of the graph that carries orientation
   int plane_neighbours = 14;  ///< of the Gaussian mean that makes a tangent plane, itself included
   int view_directions = 96;   ///< orthographic depth buffers that vote
   double pixel_size = 1.5;    ///< of a depth buffer, x spacing of the samples that are drawn
@@ -17,10 +17,11 @@ struct OrientationOptions {
   Index drawn_samples = 16000;  ///< of larger clouds a part is drawn, more if the votes are close
   double least_vote = 0.05;     ///< undecided below this part of the votes there could have been
   double least_visible = 0.02;  ///< enclosed if this part or less of the possible votes was cast
-  Index propagation_samples = 64000;  ///< drawn, at most, for the views that object to edges ...
-  Index judging_samples = 2000000;    ///< ... and for those that judge whether they are right, from
-  int judging_directions = 24;        ///< so many directions
-  double least_of_a_body = 0.15;  ///< majority of a component, or else objections are not followed
+  Index propagation_samples =
+      64000;                        ///< drawn, at most, for the views that have a say in signs ...
+  Index judging_samples = 2000000;  ///< ... and for those that judge what came of it, from
+  int judging_directions = 24;      ///< so many directions
+  double judging_weight = 3.0;      ///< of their votes: see `disagreement`
   SignOptions signs;
 };
 
@@ -31,16 +32,16 @@ struct OrientationReport {
   Index undecided_components = 0;  ///< seen as much from one side as from the other: open sheets
 };
 
-/// Gives the normals of the cloud a consistent outward sign (Hoppe et al. 1992: propagation over
-/// the spanning tree that prefers parallel normals; weights |n.n'| (1 - max |d.n|); where views see
-/// clearly that an edge of the tree is wrong, they are followed), then one sign per connected
-/// component of the graph from visibility: the side that more orthographic views see is outside.
-/// Components that nobody sees are drawn again without those that were seen: where the winding
-/// number of these says that they lie within the body they bound a cavity, else a body of their
-/// own, in a cavity or behind others. Then computes the tangent planes. Undecided components keep
-/// the sign of the majority, however small, unless they are open sheets: these face +z (or +y, +x
-/// if they stand upright), as terrains do. O(N) expected time but for the union-find, O(N) memory,
-/// the same for any number of threads.
+/// Gives the normals of the cloud a consistent outward sign: along the spanning tree of the surest
+/// edges (Hoppe et al. 1992, with another measure of sureness: neighbour_edges.h), or, where less
+/// goes against them, the signs on which all edges and views agree best (sign_agreement.h). Then
+/// one sign per connected component of the graph from visibility: the side that more orthographic
+/// views see is outside. Components that nobody sees are drawn again without those that were seen:
+/// where the winding number of these says that they lie within the body they bound a cavity, else a
+/// body of their own, in a cavity or behind others. Then computes the tangent planes. Undecided
+/// components keep the sign of the majority, however small, unless they are open sheets: these face
+/// +z (or +y, +x if they stand upright), as terrains do. O(N) expected time but for the union-find,
+/// O(N) memory, the same for any number of threads.
 OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& options,
                                  Progress& progress);
 

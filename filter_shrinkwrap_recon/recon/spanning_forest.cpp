@@ -41,14 +41,9 @@ class SignedSets {
   std::vector<std::uint32_t> link_;  // twice the parent, plus 1 if opposed to it
 };
 
-// The bucket of an edge: the heaviest come first.
-int bucket_of(const PointCloud& cloud, Index a, Index b) {
-  const Vec3f d = (cloud.position[a] - cloud.position[b]).cast<float>();
-  const Vec3f &n = cloud.normal[a], &m = cloud.normal[b];
-  const float length = d.norm();
-  const float across =
-      length > 0.0f ? std::max(std::abs(d.dot(n)), std::abs(d.dot(m))) / length : 0.0f;
-  const float weight = std::abs(n.dot(m)) * (1.0f - across);
+// The bucket of an edge: the surest come first.
+int bucket_of(float agreement) {
+  const float weight = std::abs(agreement);
   return std::clamp(static_cast<int>((1.0f - weight) * kBuckets), 0, kBuckets - 1);
 }
 
@@ -60,22 +55,17 @@ struct Edge {
 // the order of weights the others would not join anything in the whole either.
 class BlockEdges {
  public:
-  BlockEdges(const PointCloud& cloud, int neighbours, Index begin, Index end)
+  BlockEdges(const PointCloud& cloud, const SideAgreement& agreement, int neighbours, Index begin,
+             Index end)
       : begin_(begin), end_(end) {
     const std::size_t expected = static_cast<std::size_t>(end - begin) * neighbours * 2 / 3;
     edge_.reserve(expected);
     bucket_.reserve(expected);
-    for (Index a = begin; a < end; ++a) {
-      const Index* list = cloud.neighbours_of(a);
-      for (int place = 1; place <= neighbours; ++place) {
-        const Index b = list[place];
-        const Index* back = cloud.neighbours_of(b);
-        if (b < a && std::find(back + 1, back + 1 + neighbours, a) != back + 1 + neighbours)
-          continue;  // b has it in its own list
+    for (Index a = begin; a < end; ++a)
+      for_each_edge_of(cloud, neighbours, a, [&](Index b) {
         edge_.push_back({a, b});
-        bucket_.push_back(static_cast<std::uint16_t>(bucket_of(cloud, a, b)));
-      }
-    }
+        bucket_.push_back(static_cast<std::uint16_t>(bucket_of(agreement(a, b))));
+      });
     keep_forest();
   }
 
@@ -119,14 +109,16 @@ class BlockEdges {
 
 // The edges that a spanning forest of the greatest weight may have, each once, sorted by bucket,
 // then by index.
-std::vector<Edge> sorted_edges(const PointCloud& cloud, int neighbours, Progress& progress) {
+std::vector<Edge> sorted_edges(const PointCloud& cloud, const SideAgreement& agreement,
+                               int neighbours, Progress& progress) {
   const Index count = cloud.size();
   const auto blocks = static_cast<std::size_t>(block_count(count, kGrain));
   std::vector<std::vector<Edge>> edges(blocks);
   std::vector<std::vector<std::uint16_t>> bucket_of_edge(blocks);
   std::vector<std::array<std::size_t, kBuckets>> offset(blocks);
   parallel_blocks(count, kGrain, progress, [&](Index block, Index begin, Index end) {
-    BlockEdges(cloud, neighbours, begin, end).move_to(edges[block], bucket_of_edge[block]);
+    BlockEdges(cloud, agreement, neighbours, begin, end)
+        .move_to(edges[block], bucket_of_edge[block]);
     offset[block].fill(0);
     for (const std::uint16_t bucket : bucket_of_edge[block]) ++offset[block][bucket];
   });
@@ -150,27 +142,42 @@ std::vector<Edge> sorted_edges(const PointCloud& cloud, int neighbours, Progress
 // The sets that edges join, and what the views say of each, against the normal of its root.
 class SignedForest {
  public:
-  SignedForest(const PointCloud& cloud, const SignOptions& options)
-      : cloud_(cloud), options_(options), sets_(cloud.size()) {}
+  SignedForest(const PointCloud& cloud, const SideAgreement& agreement, const SampleVotes& votes,
+               const SignOptions& options)
+      : cloud_(cloud),
+        agreement_(agreement),
+        options_(options),
+        sets_(cloud.size()),
+        tally_(cloud.position.size()) {
+    for (std::size_t k = 0; k < votes.drawn.size(); ++k)
+      tally_[votes.drawn[k]] = {static_cast<float>(votes.votes[k].outward),
+                                static_cast<float>(votes.votes[k].possible), 1};
+  }
 
-  // Joins all that the edges connect; with votes, as they say where they are clear.
-  void join(const std::vector<Edge>& edges, const SampleVotes* votes, Progress& progress) {
-    if (votes) {
-      tally_.assign(cloud_.position.size(), Tally());
-      for (std::size_t k = 0; k < votes->drawn.size(); ++k)
-        tally_[votes->drawn[k]] = {static_cast<float>(votes->votes[k].outward),
-                                   static_cast<float>(votes->votes[k].possible), 1};
-    }
-    Index sets_left = cloud_.size();
-    for (std::size_t begin = 0; begin < edges.size() && sets_left > 1; begin += kUnionsPerUpdate) {
-      const std::size_t end = std::min(begin + kUnionsPerUpdate, edges.size());
-      for (std::size_t e = begin; e < end; ++e) sets_left -= join(edges[e]);
-      progress.update(static_cast<double>(end) / static_cast<double>(edges.size()));
+  // Joins what the edges connect. Edges to which the views object are not followed if there is a
+  // place to put them.
+  void join(const Edge* begin, const Edge* end, std::vector<Edge>* objected, Progress& progress) {
+    for (const Edge* edge = begin; edge != end; ++edge) {
+      if ((edge - begin) % kUnionsPerUpdate == 0)
+        progress.update(static_cast<double>(edge - begin) / static_cast<double>(end - begin));
+      join(*edge, objected);
     }
   }
 
-  std::uint32_t find(Index i) { return sets_.find(i); }
-  bool has_followed_views() const { return has_followed_views_; }
+  // The sets as they are, numbered in order of lowest sample.
+  SignedPatches sets() {
+    SignedPatches patches;
+    const Index count = cloud_.size();
+    patches.patch_of_sample.resize(static_cast<std::size_t>(count));
+    patches.flipped.resize(static_cast<std::size_t>(count));
+    for (Index i = 0; i < count; ++i) {
+      const std::uint32_t root = sets_.find(i);
+      const Index first = static_cast<Index>(root >> 1);  // the lowest sample of its set
+      patches.flipped[i] = static_cast<char>(root & 1);
+      patches.patch_of_sample[i] = first == i ? patches.count++ : patches.patch_of_sample[first];
+    }
+    return patches;
+  }
 
  private:
   struct Tally {
@@ -178,65 +185,70 @@ class SignedForest {
     Index drawn = 0;
   };
 
-  bool join(const Edge& edge) {
+  void join(const Edge& edge, std::vector<Edge>* objected) {
     const std::uint32_t a = sets_.find(edge.a), b = sets_.find(edge.b);
-    if (a >> 1 == b >> 1) return false;
-    bool opposed = cloud_.normal[edge.a].dot(cloud_.normal[edge.b]) < 0.0f;
-    if (!tally_.empty()) {
-      Tally &tally_a = tally_[a >> 1], &tally_b = tally_[b >> 1];
-      const bool are_roots_opposed = opposed != ((a & 1) != (b & 1));
-      const bool agree = (tally_a.outward * tally_b.outward < 0.0f) == are_roots_opposed;
-      if (!agree && is_clear(tally_a) && is_clear(tally_b) && is_doubtful(edge)) {
-        opposed = !opposed;
-        has_followed_views_ = true;
-      }
-      const float sign = opposed != ((a & 1) != (b & 1)) ? -1.0f : 1.0f;
-      Tally& root = a < b ? tally_a : tally_b;
-      const Tally& other = a < b ? tally_b : tally_a;
-      root = {root.outward + sign * other.outward, root.possible + other.possible,
-              root.drawn + other.drawn};
+    if (a >> 1 == b >> 1) return;
+    const bool opposed = agreement_(edge.a, edge.b) < 0.0f;
+    const bool are_roots_opposed = opposed != ((a & 1) != (b & 1));
+    const Tally tally_a = tally_[a >> 1], tally_b = tally_[b >> 1];
+    const bool do_views_agree = (tally_a.outward * tally_b.outward < 0.0f) == are_roots_opposed;
+    if (objected && !do_views_agree && is_clear(tally_a) && is_clear(tally_b)) {
+      objected->push_back(edge);
+      return;
     }
+    const Tally& root = a < b ? tally_a : tally_b;
+    const Tally& other = a < b ? tally_b : tally_a;
+    tally_[std::min(a, b) >> 1] = {
+        root.outward + (are_roots_opposed ? -other.outward : other.outward),
+        root.possible + other.possible, root.drawn + other.drawn};
     sets_.join(a, b, opposed);
-    return true;
   }
   bool is_clear(const Tally& tally) const {
     return tally.drawn >= options_.least_samples &&
            std::abs(tally.outward) > options_.least_majority * tally.possible;
   }
-  bool is_doubtful(const Edge& edge) const {
-    return bucket_of(cloud_, edge.a, edge.b) > (1.0 - options_.greatest_weight) * kBuckets;
-  }
 
   const PointCloud& cloud_;
+  const SideAgreement& agreement_;
   const SignOptions& options_;
   SignedSets sets_;
-  std::vector<Tally> tally_;  // by root; empty without votes
-  bool has_followed_views_ = false;
+  std::vector<Tally> tally_;  // by root
 };
 
 }  // namespace
 
 SpanningForest span_normals(const PointCloud& cloud, int neighbours, const SampleVotes& votes,
                             const SignOptions& options, Progress& progress) {
-  const Index count = cloud.size();
-  neighbours = std::clamp(neighbours, 1, cloud.neighbour_count - 1);
-  const std::vector<Edge> edges = sorted_edges(cloud, neighbours, progress);
-  SignedForest by_edges(cloud, options), by_views(cloud, options);
-  by_views.join(edges, &votes, progress);
-  const bool do_views_object = by_views.has_followed_views();
-  if (do_views_object) by_edges.join(edges, nullptr, progress);
+  const SideAgreement agreement(cloud);
+  const std::vector<Edge> edges = sorted_edges(cloud, agreement, neighbours, progress);
+  const Edge* const first = edges.data();
+  const Edge* const last = first + edges.size();
+  const Edge* const doubtful = std::partition_point(first, last, [&](const Edge& edge) {
+    return bucket_of(agreement(edge.a, edge.b)) < (1.0 - options.patch_agreement) * kBuckets;
+  });
+  SignedForest sets(cloud, agreement, votes, options);
+  std::vector<Edge> objected;
+  sets.join(first, doubtful, &objected, progress);
+  const SignedPatches patches = sets.sets();
+  sets.join(objected.data(), objected.data() + objected.size(), nullptr, progress);
+  sets.join(doubtful, last, nullptr, progress);
+  SignedPatches components = sets.sets();
+
   SpanningForest forest;
-  forest.component_of_sample.resize(static_cast<std::size_t>(count));
-  forest.flipped.resize(static_cast<std::size_t>(count));
-  if (do_views_object) forest.flipped_by_views.resize(static_cast<std::size_t>(count));
-  for (Index i = 0; i < count; ++i) {
-    const std::uint32_t root = by_views.find(i);
-    const Index first = static_cast<Index>(root >> 1);  // the lowest sample of its set
-    if (do_views_object) forest.flipped_by_views[i] = static_cast<char>(root & 1);
-    forest.flipped[i] = static_cast<char>((do_views_object ? by_edges.find(i) : root) & 1);
-    forest.component_of_sample[i] =
-        first == i ? forest.components++ : forest.component_of_sample[first];
+  if (patches.count > components.count) {
+    const std::vector<float> signs =
+        agreed_signs(cloud, agreement, neighbours, patches, votes, options.vote_weight, progress);
+    forest.flipped_as_agreed.resize(cloud.position.size());
+    for (Index i = 0; i < cloud.size(); ++i) {
+      const float sign = signs[patches.patch_of_sample[i]];
+      forest.flipped_as_agreed[i] =
+          sign == 0.0f ? components.flipped[i]
+                       : static_cast<char>((sign < 0.0f) != (patches.flipped[i] != 0));
+    }
   }
+  forest.component_of_sample = std::move(components.patch_of_sample);
+  forest.flipped = std::move(components.flipped);
+  forest.components = components.count;
   return forest;
 }
 

@@ -1,0 +1,133 @@
+#include "sign_agreement.h"
+
+#include <Eigen/IterativeLinearSolvers>
+#include <Eigen/SparseCore>
+#include <cmath>
+
+#include "parallel.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr Index kGrain = 1 << 12;
+constexpr double kTolerance = 1e-4;  // residual, relative to the right-hand side
+constexpr int kMostIterations = 300;
+
+using Matrix = Eigen::SparseMatrix<double>;
+using Entry = Eigen::Triplet<double, Index>;
+
+// The inverse diagonal, which is asked at every iteration and so tells of progress.
+class DiagonalWithProgress : public Eigen::DiagonalPreconditioner<double> {
+ public:
+  void watch(Progress& progress) { progress_ = &progress; }
+
+  template <class Vector>
+  auto solve(const Vector& residual) const {
+    if (progress_)
+      progress_->update(std::min(1.0, static_cast<double>(++iterations_) / kMostIterations));
+    return Eigen::DiagonalPreconditioner<double>::solve(residual);
+  }
+
+ private:
+  Progress* progress_ = nullptr;
+  mutable int iterations_ = 0;
+};
+
+// Of an agreement: its fourth power, with its sign.
+double edge_weight(double agreement) {
+  return agreement * agreement * agreement * std::abs(agreement);
+}
+
+// Of one sample drawn: those drawn speak for all.
+double weight_of_vote(double vote_weight, const PointCloud& cloud, const SampleVotes& votes) {
+  return vote_weight * cloud.size() /
+         std::max<double>(1.0, static_cast<double>(votes.drawn.size()));
+}
+
+// The entries (a, b) of edges between different patches: their weight, negative where the patches
+// oppose each other.
+std::vector<Entry> edges_between(const PointCloud& cloud, const SideAgreement& agreement_of,
+                                 int neighbours, const SignedPatches& patches, Progress& progress) {
+  return parallel_collect<Entry>(
+      cloud.size(), kGrain, progress, [&](Index begin, Index end, std::vector<Entry>& entries) {
+        for (Index i = begin; i < end; ++i)
+          for_each_edge_of(cloud, neighbours, i, [&](Index j) {
+            const Index a = patches.patch_of_sample[i], b = patches.patch_of_sample[j];
+            if (a == b) return;
+            const double weight = edge_weight(agreement_of(i, j));
+            const bool turns = patches.flipped[i] != patches.flipped[j];
+            entries.emplace_back(a, b, turns ? -weight : weight);
+          });
+      });
+}
+
+}  // namespace
+
+std::vector<float> agreed_signs(const PointCloud& cloud, const SideAgreement& agreement,
+                                int neighbours, const SignedPatches& patches,
+                                const SampleVotes& votes, double vote_weight, Progress& progress) {
+  std::vector<Entry> entries = edges_between(cloud, agreement, neighbours, patches, progress);
+  const Eigen::Index size = patches.count;
+  Eigen::VectorXd diagonal = Eigen::VectorXd::Constant(size, 1e-9),
+                  wanted = Eigen::VectorXd::Zero(size);
+  const double weight = weight_of_vote(vote_weight, cloud, votes);
+  for (std::size_t k = 0; k < votes.drawn.size(); ++k) {
+    const Index i = votes.drawn[k], patch = patches.patch_of_sample[i];
+    const double majority = votes.votes[k].majority();
+    diagonal[patch] += weight * std::abs(majority);
+    wanted[patch] += weight * (patches.flipped[i] ? -majority : majority);
+  }
+  const std::size_t edges = entries.size();
+  entries.reserve(2 * edges + static_cast<std::size_t>(size));
+  for (std::size_t e = 0; e < edges; ++e) {
+    const Index a = entries[e].row(), b = entries[e].col();
+    const double value = entries[e].value();
+    diagonal[a] += std::abs(value);
+    diagonal[b] += std::abs(value);
+    entries[e] = Entry(a, b, -value);
+    entries.emplace_back(b, a, -value);
+  }
+  for (Index patch = 0; patch < patches.count; ++patch)
+    entries.emplace_back(patch, patch, diagonal[patch]);
+  Matrix matrix(size, size);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  entries = {};
+
+  Eigen::ConjugateGradient<Matrix, Eigen::Lower | Eigen::Upper, DiagonalWithProgress> solver;
+  solver.setTolerance(kTolerance);
+  solver.setMaxIterations(kMostIterations);
+  solver.preconditioner().watch(progress);
+  solver.compute(matrix);
+  const Eigen::VectorXd sign = solver.solve(wanted);
+  std::vector<float> result(static_cast<std::size_t>(size));
+  for (Index patch = 0; patch < patches.count; ++patch)
+    result[patch] = std::isfinite(sign[patch]) ? static_cast<float>(sign[patch]) : 0.0f;
+  return result;
+}
+
+std::vector<double> disagreement(const PointCloud& cloud, const SideAgreement& agreement,
+                                 int neighbours, const std::vector<Index>& component_of_sample,
+                                 Index components, const std::vector<char>& flipped,
+                                 const SampleVotes& votes, double vote_weight,
+                                 double least_majority) {
+  std::vector<double> sum(static_cast<std::size_t>(components), 0.0);
+  for (Index i = 0; i < cloud.size(); ++i)
+    for_each_edge_of(cloud, neighbours, i, [&](Index j) {
+      const double weight = edge_weight(agreement(i, j));
+      if ((weight < 0.0) != (flipped[i] != flipped[j]))
+        sum[component_of_sample[i]] += std::abs(weight);
+    });
+  const double weight = weight_of_vote(vote_weight, cloud, votes);
+  std::vector<double> behind(sum.size(), 0.0), before(sum.size(), 0.0);
+  for (std::size_t k = 0; k < votes.drawn.size(); ++k) {
+    const Index i = votes.drawn[k];
+    const double majority = votes.votes[k].majority();
+    if (std::abs(majority) < least_majority) continue;
+    ((majority < 0.0) != (flipped[i] != 0) ? behind : before)[component_of_sample[i]] +=
+        weight * std::abs(majority);
+  }
+  for (std::size_t c = 0; c < sum.size(); ++c) sum[c] += std::min(behind[c], before[c]);
+  return sum;
+}
+
+}  // namespace shrinkwrap

@@ -1,0 +1,46 @@
+// Signs of normals that all neighbours and all views together agree upon best.
+#pragma once
+
+#include <vector>
+
+#include "neighbour_edges.h"
+#include "visibility.h"
+
+namespace shrinkwrap {
+
+/// What the views say of some samples.
+struct SampleVotes {
+  std::vector<Index> drawn;
+  std::vector<VisibilityVote> votes;  ///< on each of `drawn`
+};
+
+/// Parts of a cloud, each with one sign to be chosen.
+struct SignedPatches {
+  std::vector<Index> patch_of_sample;
+  std::vector<char> flipped;  ///< per sample: whether its normal opposes that of its patch
+  Index count = 0;
+};
+
+/// For each patch the sign x in [-1, 1] that minimises, over all edges between neighbours and all
+/// samples,
+///   sum |a_ij|^4 (x_i - sign(a_ij) x_j)^2 + vote_weight sum |v_i| (x_i - sign(v_i))^2
+/// (a relaxation of the problem of Schertler et al. 2017): a_ij how surely two neighbours look to
+/// the same side (neighbour_edges.h), v_i the majority of the views on a sample (of those that were
+/// drawn, which also speak for the others). One wrong edge turns nothing inside out here, as it
+/// does in a spanning tree. 0: no view tells. A sparse system of one unknown per patch, solved by
+/// conjugate gradients; the same for any number of threads.
+std::vector<float> agreed_signs(const PointCloud& cloud, const SideAgreement& agreement,
+                                int neighbours, const SignedPatches& patches,
+                                const SampleVotes& votes, double vote_weight, Progress& progress);
+
+/// For each component, what goes against its signs, as the sum above has it: the |a_ij|^4 of edges
+/// whose ends do not look to the same side, and the vote_weight |v_i| of samples that are seen from
+/// behind (or before, if those are fewer) by a clear majority |v_i|. `flipped`: the samples whose
+/// normals are turned. O(N).
+std::vector<double> disagreement(const PointCloud& cloud, const SideAgreement& agreement,
+                                 int neighbours, const std::vector<Index>& component_of_sample,
+                                 Index components, const std::vector<char>& flipped,
+                                 const SampleVotes& votes, double vote_weight,
+                                 double least_majority);
+
+}  // namespace shrinkwrap
