@@ -2,6 +2,7 @@
 
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCore>
+#include <algorithm>
 #include <cmath>
 
 #include "parallel.h"
@@ -44,8 +45,8 @@ double weight_of_vote(double vote_weight, const PointCloud& cloud, const SampleV
          std::max<double>(1.0, static_cast<double>(votes.drawn.size()));
 }
 
-// The entries (a, b) of edges between different patches: their weight, negative where the patches
-// oppose each other.
+// The entries (a, b), a > b, of edges between different patches: their weight, negative where the
+// patches oppose each other.
 std::vector<Entry> edges_between(const PointCloud& cloud, const SideAgreement& agreement_of,
                                  int neighbours, const SignedPatches& patches, Progress& progress) {
   return parallel_collect<Entry>(
@@ -56,7 +57,7 @@ std::vector<Entry> edges_between(const PointCloud& cloud, const SideAgreement& a
             if (a == b) return;
             const double weight = edge_weight(agreement_of(i, j));
             const bool turns = patches.flipped[i] != patches.flipped[j];
-            entries.emplace_back(a, b, turns ? -weight : weight);
+            entries.emplace_back(std::max(a, b), std::min(a, b), turns ? -weight : weight);
           });
       });
 }
@@ -77,23 +78,19 @@ std::vector<float> agreed_signs(const PointCloud& cloud, const SideAgreement& ag
     diagonal[patch] += weight * std::abs(majority);
     wanted[patch] += weight * (patches.flipped[i] ? -majority : majority);
   }
-  const std::size_t edges = entries.size();
-  entries.reserve(2 * edges + static_cast<std::size_t>(size));
-  for (std::size_t e = 0; e < edges; ++e) {
-    const Index a = entries[e].row(), b = entries[e].col();
-    const double value = entries[e].value();
-    diagonal[a] += std::abs(value);
-    diagonal[b] += std::abs(value);
-    entries[e] = Entry(a, b, -value);
-    entries.emplace_back(b, a, -value);
+  for (Entry& edge : entries) {
+    diagonal[edge.row()] += std::abs(edge.value());
+    diagonal[edge.col()] += std::abs(edge.value());
+    edge = Entry(edge.row(), edge.col(), -edge.value());
   }
+  entries.reserve(entries.size() + static_cast<std::size_t>(size));
   for (Index patch = 0; patch < patches.count; ++patch)
     entries.emplace_back(patch, patch, diagonal[patch]);
-  Matrix matrix(size, size);
+  Matrix matrix(size, size);  // its lower half
   matrix.setFromTriplets(entries.begin(), entries.end());
   entries = {};
 
-  Eigen::ConjugateGradient<Matrix, Eigen::Lower | Eigen::Upper, DiagonalWithProgress> solver;
+  Eigen::ConjugateGradient<Matrix, Eigen::Lower, DiagonalWithProgress> solver;
   solver.setTolerance(kTolerance);
   solver.setMaxIterations(kMostIterations);
   solver.preconditioner().watch(progress);
