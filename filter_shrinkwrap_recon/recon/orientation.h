@@ -8,7 +8,7 @@
 namespace shrinkwrap {
 
 struct OrientationOptions {
-  int propagation_neighbours = 10; ///< edges per sample of the graph that carries orientation
+  int propagation_neighbours = 10;  ///< edges per sample of the graph that carries orientation
   int plane_neighbours = 14;  ///< of the Gaussian mean that makes a tangent plane, itself included
   int view_directions = 96;   ///< orthographic depth buffers that vote
   double pixel_size = 1.5;    ///< of a depth buffer, x spacing of the samples that are drawn
