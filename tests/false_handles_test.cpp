@@ -13,6 +13,8 @@
 namespace shrinkwrap::testing {
 namespace {
 
+constexpr unsigned kSeeds = 20;  // of one scene: single ones tell little
+
 // The initial mesh of one voxel size.
 InitialMesh initial_mesh_of(const std::vector<Vec3>& points, bool is_cut = true) {
   InitialMeshOptions options;
@@ -26,7 +28,7 @@ TEST(FalseHandles, AreCutFromThinWalls) {
   // A wall of 0.16 and one of 0.08: some two and one and a half spacings of samples at random.
   for (const ShapeKind kind : {ShapeKind::bowl, ShapeKind::thin_plate}) {
     Index before = 0, left = 0;
-    for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
+    for (unsigned seed = 1; seed <= kSeeds; ++seed) {
       const auto points = sample_shape(kind, 1000, seed);
       const Index handles = initial_mesh_of(points, false).report.genus;
       const InitialMesh result = initial_mesh_of(points);
@@ -37,20 +39,20 @@ TEST(FalseHandles, AreCutFromThinWalls) {
       before += handles;
       left += result.report.genus;
     }
-    EXPECT_GE(before, 9) << "there is little to cut: this test tests little";
-    EXPECT_LE(left, 1) << shape_of(kind).name;
+    EXPECT_GE(before, 15) << "there is little to cut: this test tests little";
+    EXPECT_LE(left, before / 5) << shape_of(kind).name;
   }
 }
 
 TEST(FalseHandles, AreCutFromANarrowGap) {
   Index before = 0, left = 0;
-  for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     const auto points = sample_cut_ring(4000, 1.5, seed);
     before += initial_mesh_of(points, false).report.genus;
     left += initial_mesh_of(points).report.genus;
   }
-  EXPECT_GE(before, 12);
-  EXPECT_LT(left, before - 2);
+  EXPECT_GE(before, 30);
+  EXPECT_LE(left, 4 * before / 5);
 }
 
 TEST(FalseHandles, AreNoneOfTheObject) {

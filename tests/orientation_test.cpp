@@ -16,6 +16,7 @@ using testing::closed_shapes;
 using testing::Random;
 using testing::sample_implicit;
 using testing::sample_shape;
+using testing::sample_shape_blue_noise;
 using testing::Shape;
 using testing::shape_of;
 using testing::ShapeKind;
@@ -145,6 +146,19 @@ TEST(Orientation, BladesOfAWheelFaceOutwards) {
     EXPECT_LT(wrong_part({}), 0.025);
     EXPECT_GT(wrong_part(by_tree), 0.1);
   }
+}
+
+// The samples around any one are of both sides, so that none of them lies on an even plane.
+TEST(Orientation, TheSidesOfAPlateOfFewSamplesAreNoNoise) {
+  const Shape plate = shape_of(ShapeKind::thin_plate);
+  Index wrong = 0, all = 0;
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    PointCloud cloud = prepare(sample_shape_blue_noise(plate.kind, 400, seed));
+    orient(cloud);
+    wrong += count_wrong(cloud, plate);
+    all += cloud.size();
+  }
+  EXPECT_LT(wrong, 0.05 * all);  // at the rim, most of them
 }
 
 // Drawn coarsely, the inner wall of a cup is seen from outside, through the outer one: views object

@@ -42,19 +42,25 @@ SampleVotes draw_samples(const PointCloud& cloud, const OrientationOptions& opti
 // Takes the signs that neighbours and views agreed upon for the components in which less goes
 // against them than against those of the spanning tree, by all edges and by drawings so fine that
 // no wall is seen through. These are not made if the coarser ones are against it already.
-void follow_agreement(const PointCloud& cloud, int neighbours, const OrientationOptions& options,
-                      const SampleVotes& votes, SpanningForest& forest, Progress& progress) {
-  const SideAgreement agreement(cloud);
+void follow_agreement(const PointCloud& cloud, const NeighbourGraph& graph,
+                      const OrientationOptions& options, const SampleVotes& votes,
+                      SpanningForest& forest, Progress& progress) {
+  const auto edges = [&](const std::vector<char>& flipped) {
+    return edges_against(graph, forest.component_of_sample, forest.components, flipped, progress);
+  };
+  const std::vector<double> edges_of_tree = edges(forest.flipped),
+                            edges_of_agreement = edges(forest.flipped_as_agreed);
   const auto is_better = [&](const SampleVotes& judges) {
-    const auto against = [&](const std::vector<char>& flipped) {
-      return disagreement(cloud, agreement, neighbours, forest.component_of_sample,
-                          forest.components, flipped, judges, options.judging_weight,
-                          options.signs.least_majority);
+    const auto views = [&](const std::vector<char>& flipped) {
+      return votes_against(judges, forest.component_of_sample, forest.components, flipped,
+                           options.judging_weight, options.signs.least_majority);
     };
-    const std::vector<double> by_tree = against(forest.flipped),
-                              by_agreement = against(forest.flipped_as_agreed);
-    std::vector<char> better(by_tree.size());
-    for (std::size_t c = 0; c < better.size(); ++c) better[c] = by_agreement[c] < by_tree[c];
+    const std::vector<double> views_of_tree = views(forest.flipped),
+                              views_of_agreement = views(forest.flipped_as_agreed);
+    std::vector<char> better(views_of_tree.size());
+    for (std::size_t c = 0; c < better.size(); ++c)
+      better[c] =
+          edges_of_agreement[c] + views_of_agreement[c] < edges_of_tree[c] + views_of_tree[c];
     return better;
   };
   std::vector<char> better = is_better(votes);
@@ -248,10 +254,10 @@ OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& op
   SampleVotes votes =
       draw_samples(cloud, options, options.propagation_samples, options.view_directions, progress);
   progress.set_range(0.25, 0.6);
-  const int neighbours = std::clamp(options.propagation_neighbours, 1, cloud.neighbour_count - 1);
-  SpanningForest forest = span_normals(cloud, neighbours, votes, options.signs, progress);
+  const NeighbourGraph graph(cloud, options.propagation_neighbours, progress);
+  SpanningForest forest = span_normals(graph, votes, options.signs, progress);
   if (!forest.flipped_as_agreed.empty())
-    follow_agreement(cloud, neighbours, options, votes, forest, progress);
+    follow_agreement(cloud, graph, options, votes, forest, progress);
   parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
     if (forest.flipped[i]) cloud.normal[i] = -cloud.normal[i];
   });

@@ -21,7 +21,7 @@ struct OrientationOptions {
       64000;                        ///< drawn, at most, for the views that have a say in signs ...
   Index judging_samples = 2000000;  ///< ... and for those that judge what came of it, from
   int judging_directions = 24;      ///< so many directions
-  double judging_weight = 3.0;      ///< of their votes: see `disagreement`
+  double judging_weight = 3.0;      ///< of their votes: see `votes_against`
   SignOptions signs;
 };
 
@@ -33,7 +33,7 @@ struct OrientationReport {
 };
 
 /// Gives the normals of the cloud a consistent outward sign: along the spanning tree of the surest
-/// edges (Hoppe et al. 1992, with another measure of sureness: neighbour_edges.h), or, where less
+/// edges (Hoppe et al. 1992, with another measure of sureness: neighbour_graph.h), or, where less
 /// goes against them, the signs on which all edges and views agree best (sign_agreement.h). Then
 /// one sign per connected component of the graph from visibility: the side that more orthographic
 /// views see is outside. Components that nobody sees are drawn again without those that were seen:

@@ -13,6 +13,7 @@ namespace {
 constexpr Index kGrain = 1 << 12;
 constexpr double kTolerance = 1e-4;  // residual, relative to the right-hand side
 constexpr int kMostIterations = 300;
+constexpr double kLeastDiagonal = 1e-9;  // of a patch that neither edges nor views tell about
 
 using Matrix = Eigen::SparseMatrix<double>;
 using Entry = Eigen::Triplet<double, Index>;
@@ -40,22 +41,23 @@ double edge_weight(double agreement) {
 }
 
 // Of one sample drawn: those drawn speak for all.
-double weight_of_vote(double vote_weight, const PointCloud& cloud, const SampleVotes& votes) {
-  return vote_weight * cloud.size() /
-         std::max<double>(1.0, static_cast<double>(votes.drawn.size()));
+double weight_of_vote(double vote_weight, std::size_t samples, const SampleVotes& votes) {
+  const std::size_t drawn = std::max<std::size_t>(votes.drawn.size(), 1);
+  return vote_weight * static_cast<double>(samples) / static_cast<double>(drawn);
 }
 
 // The entries (a, b), a > b, of edges between different patches: their weight, negative where the
 // patches oppose each other.
-std::vector<Entry> edges_between(const PointCloud& cloud, const SideAgreement& agreement_of,
-                                 int neighbours, const SignedPatches& patches, Progress& progress) {
+std::vector<Entry> edges_between(const NeighbourGraph& graph, const SignedPatches& patches,
+                                 Progress& progress) {
   return parallel_collect<Entry>(
-      cloud.size(), kGrain, progress, [&](Index begin, Index end, std::vector<Entry>& entries) {
+      graph.sample_count(), kGrain, progress,
+      [&](Index begin, Index end, std::vector<Entry>& entries) {
         for (Index i = begin; i < end; ++i)
-          for_each_edge_of(cloud, neighbours, i, [&](Index j) {
+          graph.for_each_edge_of(i, [&](Index j) {
             const Index a = patches.patch_of_sample[i], b = patches.patch_of_sample[j];
             if (a == b) return;
-            const double weight = edge_weight(agreement_of(i, j));
+            const double weight = edge_weight(graph.agreement(i, j));
             const bool turns = patches.flipped[i] != patches.flipped[j];
             entries.emplace_back(std::max(a, b), std::min(a, b), turns ? -weight : weight);
           });
@@ -64,14 +66,13 @@ std::vector<Entry> edges_between(const PointCloud& cloud, const SideAgreement& a
 
 }  // namespace
 
-std::vector<float> agreed_signs(const PointCloud& cloud, const SideAgreement& agreement,
-                                int neighbours, const SignedPatches& patches,
+std::vector<float> agreed_signs(const NeighbourGraph& graph, const SignedPatches& patches,
                                 const SampleVotes& votes, double vote_weight, Progress& progress) {
-  std::vector<Entry> entries = edges_between(cloud, agreement, neighbours, patches, progress);
+  std::vector<Entry> entries = edges_between(graph, patches, progress);
   const Eigen::Index size = patches.count;
-  Eigen::VectorXd diagonal = Eigen::VectorXd::Constant(size, 1e-9),
+  Eigen::VectorXd diagonal = Eigen::VectorXd::Constant(size, kLeastDiagonal),
                   wanted = Eigen::VectorXd::Zero(size);
-  const double weight = weight_of_vote(vote_weight, cloud, votes);
+  const double weight = weight_of_vote(vote_weight, patches.patch_of_sample.size(), votes);
   for (std::size_t k = 0; k < votes.drawn.size(); ++k) {
     const Index i = votes.drawn[k], patch = patches.patch_of_sample[i];
     const double majority = votes.votes[k].majority();
@@ -102,20 +103,34 @@ std::vector<float> agreed_signs(const PointCloud& cloud, const SideAgreement& ag
   return result;
 }
 
-std::vector<double> disagreement(const PointCloud& cloud, const SideAgreement& agreement,
-                                 int neighbours, const std::vector<Index>& component_of_sample,
-                                 Index components, const std::vector<char>& flipped,
-                                 const SampleVotes& votes, double vote_weight,
-                                 double least_majority) {
+std::vector<double> edges_against(const NeighbourGraph& graph,
+                                  const std::vector<Index>& component_of_sample, Index components,
+                                  const std::vector<char>& flipped, Progress& progress) {
+  struct Contradiction {
+    Index component;
+    double weight;
+  };
+  const auto contradictions = parallel_collect<Contradiction>(
+      graph.sample_count(), kGrain, progress,
+      [&](Index begin, Index end, std::vector<Contradiction>& found) {
+        for (Index i = begin; i < end; ++i)
+          graph.for_each_edge_of(i, [&](Index j) {
+            const double weight = edge_weight(graph.agreement(i, j));
+            if ((weight < 0.0) != (flipped[i] != flipped[j]))
+              found.push_back({component_of_sample[i], std::abs(weight)});
+          });
+      });
   std::vector<double> sum(static_cast<std::size_t>(components), 0.0);
-  for (Index i = 0; i < cloud.size(); ++i)
-    for_each_edge_of(cloud, neighbours, i, [&](Index j) {
-      const double weight = edge_weight(agreement(i, j));
-      if ((weight < 0.0) != (flipped[i] != flipped[j]))
-        sum[component_of_sample[i]] += std::abs(weight);
-    });
-  const double weight = weight_of_vote(vote_weight, cloud, votes);
-  std::vector<double> behind(sum.size(), 0.0), before(sum.size(), 0.0);
+  for (const Contradiction& edge : contradictions) sum[edge.component] += edge.weight;
+  return sum;
+}
+
+std::vector<double> votes_against(const SampleVotes& votes,
+                                  const std::vector<Index>& component_of_sample, Index components,
+                                  const std::vector<char>& flipped, double vote_weight,
+                                  double least_majority) {
+  const double weight = weight_of_vote(vote_weight, component_of_sample.size(), votes);
+  std::vector<double> behind(static_cast<std::size_t>(components), 0.0), before = behind;
   for (std::size_t k = 0; k < votes.drawn.size(); ++k) {
     const Index i = votes.drawn[k];
     const double majority = votes.votes[k].majority();
@@ -123,8 +138,8 @@ std::vector<double> disagreement(const PointCloud& cloud, const SideAgreement& a
     ((majority < 0.0) != (flipped[i] != 0) ? behind : before)[component_of_sample[i]] +=
         weight * std::abs(majority);
   }
-  for (std::size_t c = 0; c < sum.size(); ++c) sum[c] += std::min(behind[c], before[c]);
-  return sum;
+  for (std::size_t c = 0; c < behind.size(); ++c) behind[c] = std::min(behind[c], before[c]);
+  return behind;
 }
 
 }  // namespace shrinkwrap

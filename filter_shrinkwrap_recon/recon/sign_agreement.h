@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "neighbour_edges.h"
+#include "neighbour_graph.h"
 #include "visibility.h"
 
 namespace shrinkwrap {
@@ -25,22 +25,24 @@ struct SignedPatches {
 /// samples,
 ///   sum |a_ij|^4 (x_i - sign(a_ij) x_j)^2 + vote_weight sum |v_i| (x_i - sign(v_i))^2
 /// (a relaxation of the problem of Schertler et al. 2017): a_ij how surely two neighbours look to
-/// the same side (neighbour_edges.h), v_i the majority of the views on a sample (of those that were
+/// the same side (neighbour_graph.h), v_i the majority of the views on a sample (of those that were
 /// drawn, which also speak for the others). One wrong edge turns nothing inside out here, as it
 /// does in a spanning tree. 0: no view tells. A sparse system of one unknown per patch, solved by
 /// conjugate gradients; the same for any number of threads.
-std::vector<float> agreed_signs(const PointCloud& cloud, const SideAgreement& agreement,
-                                int neighbours, const SignedPatches& patches,
+std::vector<float> agreed_signs(const NeighbourGraph& graph, const SignedPatches& patches,
                                 const SampleVotes& votes, double vote_weight, Progress& progress);
 
-/// For each component, what goes against its signs, as the sum above has it: the |a_ij|^4 of edges
-/// whose ends do not look to the same side, and the vote_weight |v_i| of samples that are seen from
-/// behind (or before, if those are fewer) by a clear majority |v_i|. `flipped`: the samples whose
-/// normals are turned. O(N).
-std::vector<double> disagreement(const PointCloud& cloud, const SideAgreement& agreement,
-                                 int neighbours, const std::vector<Index>& component_of_sample,
-                                 Index components, const std::vector<char>& flipped,
-                                 const SampleVotes& votes, double vote_weight,
-                                 double least_majority);
+/// For each component, the |a_ij|^4 of the edges whose ends do not look to the same side once the
+/// normals of the samples in `flipped` are turned. O(N).
+std::vector<double> edges_against(const NeighbourGraph& graph,
+                                  const std::vector<Index>& component_of_sample, Index components,
+                                  const std::vector<char>& flipped, Progress& progress);
+
+/// For each component, vote_weight |v_i| of the samples that are then seen from behind (or before,
+/// if those are fewer) by a majority |v_i| of at least `least_majority`. O(N).
+std::vector<double> votes_against(const SampleVotes& votes,
+                                  const std::vector<Index>& component_of_sample, Index components,
+                                  const std::vector<char>& flipped, double vote_weight,
+                                  double least_majority);
 
 }  // namespace shrinkwrap

@@ -55,16 +55,14 @@ struct Edge {
 // the order of weights the others would not join anything in the whole either.
 class BlockEdges {
  public:
-  BlockEdges(const PointCloud& cloud, const SideAgreement& agreement, int neighbours, Index begin,
-             Index end)
-      : begin_(begin), end_(end) {
-    const std::size_t expected = static_cast<std::size_t>(end - begin) * neighbours * 2 / 3;
+  BlockEdges(const NeighbourGraph& graph, Index begin, Index end) : begin_(begin), end_(end) {
+    const std::size_t expected = static_cast<std::size_t>(end - begin) * graph.neighbours() * 2 / 3;
     edge_.reserve(expected);
     bucket_.reserve(expected);
     for (Index a = begin; a < end; ++a)
-      for_each_edge_of(cloud, neighbours, a, [&](Index b) {
+      graph.for_each_edge_of(a, [&](Index b) {
         edge_.push_back({a, b});
-        bucket_.push_back(static_cast<std::uint16_t>(bucket_of(agreement(a, b))));
+        bucket_.push_back(static_cast<std::uint16_t>(bucket_of(graph.agreement(a, b))));
       });
     keep_forest();
   }
@@ -109,16 +107,14 @@ class BlockEdges {
 
 // The edges that a spanning forest of the greatest weight may have, each once, sorted by bucket,
 // then by index.
-std::vector<Edge> sorted_edges(const PointCloud& cloud, const SideAgreement& agreement,
-                               int neighbours, Progress& progress) {
-  const Index count = cloud.size();
+std::vector<Edge> sorted_edges(const NeighbourGraph& graph, Progress& progress) {
+  const Index count = graph.sample_count();
   const auto blocks = static_cast<std::size_t>(block_count(count, kGrain));
   std::vector<std::vector<Edge>> edges(blocks);
   std::vector<std::vector<std::uint16_t>> bucket_of_edge(blocks);
   std::vector<std::array<std::size_t, kBuckets>> offset(blocks);
   parallel_blocks(count, kGrain, progress, [&](Index block, Index begin, Index end) {
-    BlockEdges(cloud, agreement, neighbours, begin, end)
-        .move_to(edges[block], bucket_of_edge[block]);
+    BlockEdges(graph, begin, end).move_to(edges[block], bucket_of_edge[block]);
     offset[block].fill(0);
     for (const std::uint16_t bucket : bucket_of_edge[block]) ++offset[block][bucket];
   });
@@ -142,13 +138,12 @@ std::vector<Edge> sorted_edges(const PointCloud& cloud, const SideAgreement& agr
 // The sets that edges join, and what the views say of each, against the normal of its root.
 class SignedForest {
  public:
-  SignedForest(const PointCloud& cloud, const SideAgreement& agreement, const SampleVotes& votes,
-               const SignOptions& options)
-      : cloud_(cloud),
-        agreement_(agreement),
+  SignedForest(const NeighbourGraph& graph, const SampleVotes& votes, const SignOptions& options)
+      : graph_(graph),
         options_(options),
-        sets_(cloud.size()),
-        tally_(cloud.position.size()) {
+        set_count_(graph.sample_count()),
+        sets_(graph.sample_count()),
+        tally_(static_cast<std::size_t>(graph.sample_count())) {
     for (std::size_t k = 0; k < votes.drawn.size(); ++k)
       tally_[votes.drawn[k]] = {static_cast<float>(votes.votes[k].outward),
                                 static_cast<float>(votes.votes[k].possible), 1};
@@ -157,7 +152,7 @@ class SignedForest {
   // Joins what the edges connect. Edges to which the views object are not followed if there is a
   // place to put them.
   void join(const Edge* begin, const Edge* end, std::vector<Edge>* objected, Progress& progress) {
-    for (const Edge* edge = begin; edge != end; ++edge) {
+    for (const Edge* edge = begin; edge != end && set_count_ > 1; ++edge) {
       if ((edge - begin) % kUnionsPerUpdate == 0)
         progress.update(static_cast<double>(edge - begin) / static_cast<double>(end - begin));
       join(*edge, objected);
@@ -167,7 +162,7 @@ class SignedForest {
   // The sets as they are, numbered in order of lowest sample.
   SignedPatches sets() {
     SignedPatches patches;
-    const Index count = cloud_.size();
+    const Index count = graph_.sample_count();
     patches.patch_of_sample.resize(static_cast<std::size_t>(count));
     patches.flipped.resize(static_cast<std::size_t>(count));
     for (Index i = 0; i < count; ++i) {
@@ -188,7 +183,7 @@ class SignedForest {
   void join(const Edge& edge, std::vector<Edge>* objected) {
     const std::uint32_t a = sets_.find(edge.a), b = sets_.find(edge.b);
     if (a >> 1 == b >> 1) return;
-    const bool opposed = agreement_(edge.a, edge.b) < 0.0f;
+    const bool opposed = graph_.agreement(edge.a, edge.b) < 0.0f;
     const bool are_roots_opposed = opposed != ((a & 1) != (b & 1));
     const Tally tally_a = tally_[a >> 1], tally_b = tally_[b >> 1];
     const bool do_views_agree = (tally_a.outward * tally_b.outward < 0.0f) == are_roots_opposed;
@@ -202,31 +197,31 @@ class SignedForest {
         root.outward + (are_roots_opposed ? -other.outward : other.outward),
         root.possible + other.possible, root.drawn + other.drawn};
     sets_.join(a, b, opposed);
+    --set_count_;
   }
   bool is_clear(const Tally& tally) const {
     return tally.drawn >= options_.least_samples &&
            std::abs(tally.outward) > options_.least_majority * tally.possible;
   }
 
-  const PointCloud& cloud_;
-  const SideAgreement& agreement_;
+  const NeighbourGraph& graph_;
   const SignOptions& options_;
+  Index set_count_;
   SignedSets sets_;
   std::vector<Tally> tally_;  // by root
 };
 
 }  // namespace
 
-SpanningForest span_normals(const PointCloud& cloud, int neighbours, const SampleVotes& votes,
+SpanningForest span_normals(const NeighbourGraph& graph, const SampleVotes& votes,
                             const SignOptions& options, Progress& progress) {
-  const SideAgreement agreement(cloud);
-  const std::vector<Edge> edges = sorted_edges(cloud, agreement, neighbours, progress);
+  const std::vector<Edge> edges = sorted_edges(graph, progress);
   const Edge* const first = edges.data();
   const Edge* const last = first + edges.size();
   const Edge* const doubtful = std::partition_point(first, last, [&](const Edge& edge) {
-    return bucket_of(agreement(edge.a, edge.b)) < (1.0 - options.patch_agreement) * kBuckets;
+    return bucket_of(graph.agreement(edge.a, edge.b)) < (1.0 - options.patch_agreement) * kBuckets;
   });
-  SignedForest sets(cloud, agreement, votes, options);
+  SignedForest sets(graph, votes, options);
   std::vector<Edge> objected;
   sets.join(first, doubtful, &objected, progress);
   const SignedPatches patches = sets.sets();
@@ -237,9 +232,9 @@ SpanningForest span_normals(const PointCloud& cloud, int neighbours, const Sampl
   SpanningForest forest;
   if (patches.count > components.count) {
     const std::vector<float> signs =
-        agreed_signs(cloud, agreement, neighbours, patches, votes, options.vote_weight, progress);
-    forest.flipped_as_agreed.resize(cloud.position.size());
-    for (Index i = 0; i < cloud.size(); ++i) {
+        agreed_signs(graph, patches, votes, options.vote_weight, progress);
+    forest.flipped_as_agreed.resize(patches.patch_of_sample.size());
+    for (Index i = 0; i < graph.sample_count(); ++i) {
       const float sign = signs[patches.patch_of_sample[i]];
       forest.flipped_as_agreed[i] =
           sign == 0.0f ? components.flipped[i]

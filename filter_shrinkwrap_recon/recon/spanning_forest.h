@@ -23,16 +23,16 @@ struct SpanningForest {
   Index components = 0;
 };
 
-/// Kruskal over the edges between each sample and its first `neighbours` neighbours, by descending
-/// certainty (neighbour_edges.h). Sorted by buckets, of one bucket by index. O(N) but for the
+/// Kruskal over the edges of the neighbour graph, by descending
+/// certainty (neighbour_graph.h). Sorted by buckets, of one bucket by index. O(N) but for the
 /// union-find.
 ///
 /// One wrong sign at a crease or in a narrow place would turn all that lies beyond it inside out.
 /// So the edges that nobody doubts, neither by their normals nor by what is seen of either side,
 /// join samples into patches; where there are more of them than of components, their signs are
-/// chosen by all edges between them and by all views (sign_agreement.h). Pre: 1 <= neighbours <
-/// `cloud.neighbour_count`.
-SpanningForest span_normals(const PointCloud& cloud, int neighbours, const SampleVotes& votes,
+/// chosen by all edges between them and by all views (sign_agreement.h). In the forest, sure edges
+/// to which views object come after all sure edges and before the others.
+SpanningForest span_normals(const NeighbourGraph& graph, const SampleVotes& votes,
                             const SignOptions& options, Progress& progress);
 
 }  // namespace shrinkwrap

@@ -1,0 +1,63 @@
+// The neighbour graph of a cloud, along which the sides of its normals are compared.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "point_cloud.h"
+
+namespace shrinkwrap {
+
+/// Joins every sample with its nearest neighbours, and tells how surely two of them look to the
+/// same side.
+class NeighbourGraph {
+ public:
+  /// With the first `neighbours` neighbours of each sample, or as many as the cloud has. The cloud
+  /// is referred to; its normals may be of any sign. O(N).
+  NeighbourGraph(const PointCloud& cloud, int neighbours, Progress& progress);
+
+  Index sample_count() const { return cloud_.size(); }
+  int neighbours() const { return neighbours_; }
+  /// How far the samples scatter about the surface where that is evenest, x local spacing.
+  float noise() const { return noise_; }
+
+  /// Calls `body(b)` for neighbours of `a`, so that over all `a` each edge comes once.
+  template <class Body>
+  void for_each_edge_of(Index a, const Body& body) const {
+    const Index* list = cloud_.neighbours_of(a);
+    for (int place = 1; place <= neighbours_; ++place) {
+      const Index b = list[place];
+      const Index* back = cloud_.neighbours_of(b) + 1;
+      const bool has_it_too = std::find(back, back + neighbours_, a) != back + neighbours_;
+      if (a < b || !has_it_too) body(b);
+    }
+  }
+
+  /// In [-1, 1]: the cosine between the normal of one and that of the other reflected in the plane
+  /// halfway between the two samples (Xie et al. 2003). Along any arc of a circle it is 1, be it
+  /// the rounded edge of a thin blade; of two sheets face to face it is -1. The cosine of the
+  /// normals themselves takes both for the contrary. Noise puts neighbours above each other, too:
+  /// heights are less by the noise, and the larger a part of the edge noise may be, the less sure
+  /// it is.
+  float agreement(Index a, Index b) const {
+    const Vec3f d = (cloud_.position[a] - cloud_.position[b]).cast<float>();
+    const Vec3f &n = cloud_.normal[a], &m = cloud_.normal[b];
+    const float length = d.norm();
+    if (!(length > 0.0f)) return n.dot(m);
+    const float noise =
+        0.5f * noise_ * (cloud_.local_spacing[a] + cloud_.local_spacing[b]) / length;
+    const float along_n = d.dot(n) / length, along_m = d.dot(m) / length;
+    const auto freed = [noise](float height) {
+      return std::copysign(std::max(std::abs(height) - noise, 0.0f), height);
+    };
+    const float hidden = std::min(noise, std::max(std::abs(along_n), std::abs(along_m)));
+    return (n.dot(m) - 2.0f * freed(along_n) * freed(along_m)) * (1.0f - hidden);
+  }
+
+ private:
+  const PointCloud& cloud_;
+  int neighbours_;
+  float noise_ = 0.0f;  // x local spacing
+};
+
+}  // namespace shrinkwrap
