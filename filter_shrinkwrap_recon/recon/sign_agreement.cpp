@@ -1,11 +1,10 @@
 #include "sign_agreement.h"
 
-#include <Eigen/IterativeLinearSolvers>
-#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 
 #include "parallel.h"
+#include "sign_matrix.h"
 
 namespace shrinkwrap {
 namespace {
@@ -14,26 +13,6 @@ constexpr Index kGrain = 1 << 12;
 constexpr double kTolerance = 1e-4;  // residual, relative to the right-hand side
 constexpr int kMostIterations = 300;
 constexpr double kLeastDiagonal = 1e-9;  // of a patch that neither edges nor views tell about
-
-using Matrix = Eigen::SparseMatrix<double>;
-using Entry = Eigen::Triplet<double, Index>;
-
-// The inverse diagonal, which is asked at every iteration and so tells of progress.
-class DiagonalWithProgress : public Eigen::DiagonalPreconditioner<double> {
- public:
-  void watch(Progress& progress) { progress_ = &progress; }
-
-  template <class Vector>
-  auto solve(const Vector& residual) const {
-    if (progress_)
-      progress_->update(std::min(1.0, static_cast<double>(++iterations_) / kMostIterations));
-    return Eigen::DiagonalPreconditioner<double>::solve(residual);
-  }
-
- private:
-  Progress* progress_ = nullptr;
-  mutable int iterations_ = 0;
-};
 
 // Of an agreement: its fourth power, with its sign.
 double edge_weight(double agreement) {
@@ -46,20 +25,17 @@ double weight_of_vote(double vote_weight, std::size_t samples, const SampleVotes
   return vote_weight * static_cast<double>(samples) / static_cast<double>(drawn);
 }
 
-// The entries (a, b), a > b, of edges between different patches: their weight, negative where the
-// patches oppose each other.
-std::vector<Entry> edges_between(const NeighbourGraph& graph, const SignedPatches& patches,
-                                 Progress& progress) {
-  return parallel_collect<Entry>(
+std::vector<SignEdge> edges_between(const NeighbourGraph& graph, const SignedPatches& patches,
+                                    Progress& progress) {
+  return parallel_collect<SignEdge>(
       graph.sample_count(), kGrain, progress,
-      [&](Index begin, Index end, std::vector<Entry>& entries) {
+      [&](Index begin, Index end, std::vector<SignEdge>& edges) {
         for (Index i = begin; i < end; ++i)
           graph.for_each_edge_of(i, [&](Index j) {
             const Index a = patches.patch_of_sample[i], b = patches.patch_of_sample[j];
             if (a == b) return;
-            const double weight = edge_weight(graph.agreement(i, j));
-            const bool turns = patches.flipped[i] != patches.flipped[j];
-            entries.emplace_back(std::max(a, b), std::min(a, b), turns ? -weight : weight);
+            const auto weight = static_cast<float>(edge_weight(graph.agreement(i, j)));
+            edges.push_back({a, b, patches.flipped[i] != patches.flipped[j] ? -weight : weight});
           });
       });
 }
@@ -68,7 +44,6 @@ std::vector<Entry> edges_between(const NeighbourGraph& graph, const SignedPatche
 
 std::vector<float> agreed_signs(const NeighbourGraph& graph, const SignedPatches& patches,
                                 const SampleVotes& votes, double vote_weight, Progress& progress) {
-  std::vector<Entry> entries = edges_between(graph, patches, progress);
   const Eigen::Index size = patches.count;
   Eigen::VectorXd diagonal = Eigen::VectorXd::Constant(size, kLeastDiagonal),
                   wanted = Eigen::VectorXd::Zero(size);
@@ -79,22 +54,11 @@ std::vector<float> agreed_signs(const NeighbourGraph& graph, const SignedPatches
     diagonal[patch] += weight * std::abs(majority);
     wanted[patch] += weight * (patches.flipped[i] ? -majority : majority);
   }
-  for (Entry& edge : entries) {
-    diagonal[edge.row()] += std::abs(edge.value());
-    diagonal[edge.col()] += std::abs(edge.value());
-    edge = Entry(edge.row(), edge.col(), -edge.value());
-  }
-  entries.reserve(entries.size() + static_cast<std::size_t>(size));
-  for (Index patch = 0; patch < patches.count; ++patch)
-    entries.emplace_back(patch, patch, diagonal[patch]);
-  Matrix matrix(size, size);  // its lower half
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  entries = {};
-
-  Eigen::ConjugateGradient<Matrix, Eigen::Lower, DiagonalWithProgress> solver;
+  const SignMatrix matrix(edges_between(graph, patches, progress), std::move(diagonal));
+  Eigen::ConjugateGradient<SignMatrix, Eigen::Lower | Eigen::Upper, SignPreconditioner> solver;
   solver.setTolerance(kTolerance);
   solver.setMaxIterations(kMostIterations);
-  solver.preconditioner().watch(progress);
+  solver.preconditioner().watch(progress, kMostIterations);
   solver.compute(matrix);
   const Eigen::VectorXd sign = solver.solve(wanted);
   std::vector<float> result(static_cast<std::size_t>(size));
