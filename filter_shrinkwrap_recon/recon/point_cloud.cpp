@@ -12,6 +12,7 @@
 #include "morton.h"
 #include "neighbourhoods.h"
 #include "parallel.h"
+#include "parallel_sheets.h"
 
 namespace shrinkwrap {
 namespace {
@@ -274,6 +275,7 @@ void measure_neighbourhoods(PointCloud& cloud, int neighbours, Progress& progres
   // Points that rounding brought together have no spacing of their own: stages divide by it.
   const float floor = static_cast<float>(1e-3 * cloud.spacing);
   for (float& spacing : cloud.local_spacing) spacing = std::max(spacing, floor);
+  fit_parallel_sheets(cloud, ParallelSheetsOptions(), progress);
 }
 
 std::vector<Vec3> points_at(const std::vector<Vec3>& points,
