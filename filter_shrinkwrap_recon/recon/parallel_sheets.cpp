@@ -2,7 +2,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <array>
-#include <bitset>
 
 #include "parallel.h"
 
@@ -12,51 +11,55 @@ namespace {
 constexpr Index kGrain = 1 << 10;
 constexpr int kMostNeighbours = 64;
 constexpr int kMostRounds = 6;
-constexpr double kHopeless = 0.5;
+// Of the variance about one plane. Noise that is halved keeps 0.36 of it: there are no two planes.
+constexpr double kHopeless = 0.3;
+
+// Of the search, along the principal axes of the neighbourhood and between any two.
+const std::array<Vec3, 9> kStarts = {Vec3(1, 0, 0),  Vec3(0, 1, 0),  Vec3(0, 0, 1),
+                                     Vec3(1, 1, 0),  Vec3(1, -1, 0), Vec3(1, 0, 1),
+                                     Vec3(1, 0, -1), Vec3(0, 1, 1),  Vec3(0, 1, -1)};
 
 using Matrix = Eigen::Matrix3d;
 using Principal = Eigen::SelfAdjointEigenSolver<Matrix>;
-using Side = std::bitset<kMostNeighbours>;
+using Offsets = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, kMostNeighbours, 3>;
+using Side = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostNeighbours, 1>;  // 1 for its members
 
-// The neighbours of one sample, about their mean; lengths in its spacing.
+// The neighbours of one point, about their mean; lengths in the radius of the neighbourhood.
 class Neighbourhood {
  public:
-  Neighbourhood(const PointCloud& cloud, Index sample)
-      : count_(std::min(cloud.neighbour_count, kMostNeighbours)) {
-    const Index* list = cloud.neighbours_of(sample);
-    Vec3 mean = Vec3::Zero();
-    for (int k = 0; k < count_; ++k) {
-      offset_[k] = (cloud.position[list[k]] - cloud.position[sample]) / cloud.local_spacing[sample];
-      mean += offset_[k];
-    }
-    mean /= count_;
-    squares_ = Matrix::Zero();
-    for (int k = 0; k < count_; ++k) {
-      offset_[k] -= mean;
-      squares_ += offset_[k] * offset_[k].transpose();
-    }
+  Neighbourhood(const std::vector<Vec3>& points, const Neighbourhoods& all, std::size_t point)
+      : offset_(std::min(all.k, kMostNeighbours), 3) {
+    const Index* list = all.neighbour.data() + point * static_cast<std::size_t>(all.k);
+    for (Eigen::Index k = 0; k < offset_.rows(); ++k)
+      offset_.row(k) = (points[list[k]] - points[point]) / all.radius[point];
+    offset_.rowwise() -= offset_.colwise().mean().eval();
+    squares_ = offset_.transpose() * offset_;
     principal_.computeDirect(squares_);
   }
 
   // The common normal of two planes that fit far better than one; else zero.
   Vec3 normal_of_sheets(const ParallelSheetsOptions& options) const {
     Vec3 best = Vec3::Zero();
-    double least = options.most_variance * principal_.eigenvalues()[0];
-    for (int axis = 0; axis < 3; ++axis) {
-      Vec3 normal = principal_.eigenvectors().col(axis);
-      Side above = side_above(normal);
+    const double of_one = principal_.eigenvalues()[0];
+    double least = options.most_variance * of_one;
+    for (const Vec3& start : kStarts) {
+      Side above = side_above(principal_.eigenvectors() * start);
       for (int round = 0; round < kMostRounds; ++round) {
-        const int members = static_cast<int>(above.count());
-        if (std::min(members, count_ - members) < options.least_samples) break;
+        const double members = above.sum();
+        if (std::min(members, offset_.rows() - members) < options.least_points) break;
+        const Matrix squares = about_own_means(above);
+        // Of three eigenvalues the least is at least 4 x product / sum^2.
+        const double sum = squares.trace();
+        if (4.0 * squares.determinant() > kHopeless * of_one * sum * sum) break;
         Principal within;
-        within.computeDirect(about_own_means(above));
-        const Vec3 variance = within.eigenvalues();
-        normal = within.eigenvectors().col(0);
-        if (variance[0] < least && variance[1] > options.least_width * variance[2]) {
-          least = variance[0];
+        within.computeDirect(squares);
+        const double of_two = within.eigenvalues()[0];
+        if (of_two > kHopeless * of_one) break;
+        const Vec3 normal = within.eigenvectors().col(0);
+        if (of_two < least && have_width(above, options.least_width)) {
+          least = of_two;
           best = normal;
         }
-        if (variance[0] > kHopeless * principal_.eigenvalues()[0]) break;
         const Side next = side_above(normal);
         if (next == above) break;
         above = next;
@@ -67,37 +70,47 @@ class Neighbourhood {
 
  private:
   Side side_above(const Vec3& normal) const {
-    Side above;
-    for (int k = 0; k < count_; ++k) above[k] = offset_[k].dot(normal) > 0.0;
-    return above;
+    return ((offset_ * normal).array() > 0.0).cast<double>();
   }
   // Sum over both sides of the squares about the mean of the side. Offsets about the mean of all
   // sum to nothing.
   Matrix about_own_means(const Side& above) const {
-    Vec3 sum = Vec3::Zero();
-    for (int k = 0; k < count_; ++k)
-      if (above[k]) sum += offset_[k];
-    const double members = static_cast<double>(above.count());
-    return squares_ - sum * sum.transpose() * (1.0 / members + 1.0 / (count_ - members));
+    const Vec3 sum = offset_.transpose() * above;
+    const double members = above.sum();
+    return squares_ - sum * sum.transpose() * (1.0 / members + 1.0 / (offset_.rows() - members));
+  }
+  // Whether neither side lies on a line.
+  bool have_width(const Side& above, double least_width) const {
+    const Side below = 1.0 - above.array();
+    for (const Side& side : {above, below}) {
+      const Vec3 sum = offset_.transpose() * side;
+      const Matrix squares = offset_.transpose() * side.asDiagonal() * offset_;
+      Principal own;
+      own.computeDirect(squares - sum * sum.transpose() / side.sum(), Eigen::EigenvaluesOnly);
+      if (!(own.eigenvalues()[1] > least_width * own.eigenvalues()[2])) return false;
+    }
+    return true;
   }
 
-  int count_;
-  std::array<Vec3, kMostNeighbours> offset_;
+  Offsets offset_;
   Matrix squares_;
   Principal principal_;
 };
 
 }  // namespace
 
-Index fit_parallel_sheets(PointCloud& cloud, const ParallelSheetsOptions& options,
-                          Progress& progress) {
-  return parallel_sum(cloud.size(), kGrain, progress, Index{0}, [&](Index begin, Index end) {
+Index fit_parallel_sheets(const std::vector<Vec3>& points, Neighbourhoods& neighbourhoods,
+                          const ParallelSheetsOptions& options, Progress& progress) {
+  const auto count = static_cast<Index>(points.size());
+  return parallel_sum(count, kGrain, progress, Index{0}, [&](Index begin, Index end) {
     Index replaced = 0;
     for (Index i = begin; i < end; ++i) {
-      if (cloud.deviation[i] < options.least_deviation * cloud.local_spacing[i]) continue;
-      const Vec3 normal = Neighbourhood(cloud, i).normal_of_sheets(options);
-      if (!(normal.squaredNorm() > 0.5)) continue;
-      cloud.normal[i] = normal.cast<float>();
+      const double radius = neighbourhoods.radius[i];
+      if (!(neighbourhoods.deviation[i] > options.least_deviation * radius)) continue;
+      const Vec3 normal = Neighbourhood(points, neighbourhoods, static_cast<std::size_t>(i))
+                              .normal_of_sheets(options);
+      if (normal.isZero()) continue;
+      neighbourhoods.normal[i] = normal.cast<float>();
       ++replaced;
     }
     return replaced;

@@ -259,6 +259,7 @@ bool is_exact_in_unit_frame(const PointCloud& cloud, const std::vector<Vec3>& po
 void measure_neighbourhoods(PointCloud& cloud, int neighbours, Progress& progress) {
   Neighbourhoods neighbourhoods =
       find_neighbourhoods(cloud.position, cloud.search, neighbours, progress);
+  fit_parallel_sheets(cloud.position, neighbourhoods, ParallelSheetsOptions(), progress);
   cloud.neighbour_count = neighbourhoods.k;
   cloud.neighbour = std::move(neighbourhoods.neighbour);
   cloud.normal = std::move(neighbourhoods.normal);
@@ -275,7 +276,6 @@ void measure_neighbourhoods(PointCloud& cloud, int neighbours, Progress& progres
   // Points that rounding brought together have no spacing of their own: stages divide by it.
   const float floor = static_cast<float>(1e-3 * cloud.spacing);
   for (float& spacing : cloud.local_spacing) spacing = std::max(spacing, floor);
-  fit_parallel_sheets(cloud, ParallelSheetsOptions(), progress);
 }
 
 std::vector<Vec3> points_at(const std::vector<Vec3>& points,

@@ -54,7 +54,8 @@ class PointCloud {
     return std::max(spacing, static_cast<double>(local_spacing[sample]));
   }
   VoxelSearch search;            ///< of `position`
-  std::vector<Vec3f> normal;     ///< PCA of the k neighbours; sign arbitrary until `orient_normals`
+  std::vector<Vec3f> normal;     ///< of the plane that fits the k neighbours best, or of two
+                                 ///< (parallel_sheets.h); sign arbitrary until `orient_normals`
   std::vector<float> deviation;  ///< of the k neighbours from their plane, root mean square
   std::vector<TangentPlane>
       plane;  ///< after `orient_normals`: Gaussian mean of the compatible neighbours

@@ -1,0 +1,108 @@
+#include "parallel_sheets.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "point_cloud.h"
+#include "shapes.h"
+
+namespace shrinkwrap::testing {
+namespace {
+
+// Two squares of random samples, one unit apart in the mean, facing each other at a distance.
+std::vector<Vec3> two_sheets(double distance, double noise, unsigned seed) {
+  constexpr double kWidth = 40.0;
+  Random random(seed);
+  std::vector<Vec3> points;
+  for (const double z : {0.0, distance})
+    for (int i = 0; i < static_cast<int>(kWidth * kWidth); ++i)
+      points.emplace_back(random.uniform(0.0, kWidth), random.uniform(0.0, kWidth),
+                          z + noise * random.gaussian());
+  return points;
+}
+
+struct Normals {
+  double askew_before = 0.0, askew = 0.0;  // parts of the samples that are 30 degrees off
+  double replaced = 0.0;
+};
+
+template <class TrueNormal>
+Normals normals_of(const std::vector<Vec3>& points, const TrueNormal& true_normal) {
+  Progress silent;
+  const PointCloud cloud = prepare_samples(points, SampleOptions(), silent);
+  const auto part_askew = [&](const std::vector<Vec3f>& normals) {
+    double count = 0.0;
+    for (Index i = 0; i < cloud.size(); ++i) {
+      const Vec3 normal = true_normal(cloud.frame.to_input(cloud.position[i]));
+      count += std::abs(normal.dot(normals[i].cast<double>())) < 0.866;
+    }
+    return count / cloud.size();
+  };
+  Neighbourhoods around =
+      find_neighbourhoods(cloud.position, cloud.search, cloud.neighbour_count, silent);
+  Normals result;
+  result.askew_before = part_askew(around.normal);
+  const Index replaced =
+      fit_parallel_sheets(cloud.position, around, ParallelSheetsOptions(), silent);
+  result.replaced = static_cast<double>(replaced) / cloud.size();
+  result.askew = part_askew(around.normal);
+  EXPECT_TRUE(around.normal == cloud.normal) << "samples are prepared with them";
+  return result;
+}
+
+Vec3 up(const Vec3&) {
+  return Vec3::UnitZ();
+}
+
+TEST(ParallelSheets, WallsAsThickAsNeighbourhoodsAreWide) {
+  for (const double distance : {1.2, 1.5, 1.8}) {
+    SCOPED_TRACE(distance);
+    const Normals normals = normals_of(two_sheets(distance, 0.0, 1), up);
+    EXPECT_GT(normals.askew_before, 0.4);
+    EXPECT_LT(normals.askew, 0.7 * normals.askew_before);
+    EXPECT_GT(normals.replaced, 0.15);
+  }
+}
+
+TEST(ParallelSheets, WithSomeNoise) {
+  const Normals normals = normals_of(two_sheets(1.5, 0.08, 2), up);
+  EXPECT_LT(normals.askew, 0.5 * normals.askew_before);
+}
+
+TEST(ParallelSheets, NoiseIsNone) {
+  SampleDefects defects;
+  for (const double noise : {0.1, 0.5, 1.0, 2.0}) {
+    defects.noise = noise;
+    const std::vector<Vec3> points = sample_shape(ShapeKind::sphere, 20000, 3, defects);
+    EXPECT_LT(normals_of(points, up).replaced, 1e-3) << noise;
+  }
+}
+
+TEST(ParallelSheets, BendsAndEdgesAreNone) {
+  for (const ShapeKind kind : {ShapeKind::box, ShapeKind::double_torus, ShapeKind::blob}) {
+    const Shape shape = shape_of(kind);
+    const Normals normals =
+        normals_of(sample_shape(kind, 4000, 4), [&](const Vec3& p) { return shape.normal(p); });
+    EXPECT_LT(normals.replaced, 2e-3) << shape.name;
+    EXPECT_LT(normals.askew, normals.askew_before + 1e-3) << shape.name;
+  }
+}
+
+// Two lines lie on a plane, and on any two parallel ones.
+TEST(ParallelSheets, ScanLinesAreNone) {
+  const Normals normals = normals_of(sample_sphere_on_scan_lines(4000, 5),
+                                     [](const Vec3& p) -> Vec3 { return p.normalized(); });
+  EXPECT_LT(normals.replaced, 2e-3);
+  EXPECT_LT(normals.askew, normals.askew_before + 1e-3);
+}
+
+TEST(ParallelSheets, AreTheSameForAnyNumberOfThreads) {
+  Progress silent;
+  const std::vector<Vec3> points = two_sheets(1.5, 0.0, 6);
+  const PointCloud cloud = prepare_samples(points, SampleOptions(), silent);
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_TRUE(cloud.normal == prepare_samples(points, SampleOptions(), silent).normal);
+}
+
+}  // namespace
+}  // namespace shrinkwrap::testing
