@@ -4,6 +4,8 @@
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCore>
 #include <algorithm>
+#include <cmath>
+#include <utility>
 #include <vector>
 
 #include "progress.h"
