@@ -16,7 +16,6 @@ using testing::closed_shapes;
 using testing::Random;
 using testing::sample_implicit;
 using testing::sample_shape;
-using testing::sample_shape_blue_noise;
 using testing::Shape;
 using testing::shape_of;
 using testing::ShapeKind;
@@ -148,17 +147,17 @@ TEST(Orientation, BladesOfAWheelFaceOutwards) {
   }
 }
 
-// The samples around any one are of both sides, so that none of them lies on an even plane.
-TEST(Orientation, TheSidesOfAPlateOfFewSamplesAreNoNoise) {
+// The samples around any one are of both sides, so that no plane tells of either.
+TEST(Orientation, BothSidesOfAPlateOfFewSamplesFaceOutwards) {
   const Shape plate = shape_of(ShapeKind::thin_plate);
   Index wrong = 0, all = 0;
   for (unsigned seed = 1; seed <= 10; ++seed) {
-    PointCloud cloud = prepare(sample_shape_blue_noise(plate.kind, 400, seed));
+    PointCloud cloud = prepare(sample_shape(plate.kind, 300, seed));
     orient(cloud);
     wrong += count_wrong(cloud, plate);
     all += cloud.size();
   }
-  EXPECT_LT(wrong, 0.05 * all);  // at the rim, most of them
+  EXPECT_LT(wrong, 0.1 * all);  // at the rim, most of them
 }
 
 // Drawn coarsely, the inner wall of a cup is seen from outside, through the outer one: views object
