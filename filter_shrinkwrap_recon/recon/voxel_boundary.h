@@ -3,7 +3,7 @@
 
 #include "progress.h"
 #include "surface_mesh.h"
-#include "voxel_solid.h"
+#include "voxel_lattice.h"
 
 namespace shrinkwrap {
 
