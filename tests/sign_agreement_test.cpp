@@ -33,7 +33,7 @@ class SignAgreement : public ::testing::Test {
   void see(Index sample, double majority) {
     const double up = cloud_.normal[sample].z() > 0.0f ? majority : -majority;
     votes_.drawn.push_back(sample);
-    votes_.votes.push_back({1.0, 1.0, up});
+    votes_.votes.push_back({1.0, 1.0, up, 1.0});
   }
   std::vector<float> signs() { return agreed_signs(graph(), patches_, votes_, 0.1, silent_); }
   Index count_downward(const std::vector<float>& signs) const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "parallel.h"
 #include "visibility.h"
@@ -15,6 +16,7 @@ constexpr int kMostLayers = 64;             // of components within or behind co
 constexpr Index kProbes = 32;               // samples of a component that tell what it lies in
 constexpr Index kDrawnPerComponent = 32;    // at least, of each that has as many
 constexpr double kDepthTolerance = 0.7;     // x spacing of the samples drawn
+constexpr double kLeastCosine = 0.1;        // of a sheet that faces a direction
 constexpr double kLeastSheetNormal = 0.25;  // length of the mean normal of an open sheet, at least
 
 // Of every stride-th sample.
@@ -50,7 +52,8 @@ void follow_agreement(const PointCloud& cloud, const NeighbourGraph& graph,
   };
   const std::vector<double> edges_of_tree = edges(forest.flipped),
                             edges_of_agreement = edges(forest.flipped_as_agreed);
-  const auto is_better = [&](const SampleVotes& judges) {
+  const auto is_better = [&](const SampleVotes& all) {
+    const SampleVotes judges = all.trusted(forest.component_of_sample, forest.components);
     const auto views = [&](const std::vector<char>& flipped) {
       return votes_against(judges, forest.component_of_sample, forest.components, flipped,
                            options.judging_weight, options.signs.least_majority);
@@ -86,29 +89,37 @@ class ComponentSigns {
     size_.assign(components, 0);
     for (Index component : forest_.component_of_sample) ++size_[component];
     waiting_.assign(components, 1);
+    sum_normals();
     std::vector<char> flip(components, 0);
     std::size_t left = components;
     for (int layer = 0; left > 0 && layer < kMostLayers; ++layer) {
       const bool are_known = layer == 0 && votes_.drawn.size() == cloud_.position.size();
-      const std::vector<VisibilityVote> votes =
-          are_known ? sum_by_component(votes_.drawn, votes_.votes) : clear_votes();
+      const std::vector<VisibilityVote> votes = are_known ? by_component(votes_) : clear_votes();
       const std::vector<char> enclosed = layer > 0 ? within_decided(flip) : std::vector<char>();
-      std::vector<std::size_t> seen;
+      std::vector<std::size_t> seen, undecided_sheets;
       for (std::size_t c = 0; c < components; ++c) {
         if (!waiting_[c] || is_hidden(votes[c])) continue;
         // The wall of a cavity is seen from within the body.
         const bool is_cavity = layer > 0 && enclosed[c];
-        double outward = is_cavity ? -votes[c].outward : votes[c].outward;
-        if (is_close(votes[c])) {
-          const double upward = upward_of_sheet(c);
-          if (upward != 0.0) outward = upward;
+        double outward = is_cavity ? -votes[c].majority() : votes[c].majority();
+        const double trust = votes[c].trust();
+        if (is_sheet(c) && (trust < 1.0 || is_close(outward))) {
+          outward = trust * outward + votes_on(c).majority();
+          if (is_close(outward)) undecided_sheets.push_back(c);
         }
+        const bool is_undecided = is_close(outward);
         flip[c] = outward < 0.0;
         seen.push_back(c);
         report.enclosed_components += layer > 0;
-        report.undecided_components += is_close(votes[c]);
+        report.undecided_components += is_undecided;
       }
       for (const std::size_t c : seen) waiting_[c] = 0;
+      for (const std::size_t c : undecided_sheets) waiting_[c] = 1;
+      const Vec3 front = front_of_decided(flip);
+      for (const std::size_t c : undecided_sheets) {
+        flip[c] = towards(c, front) < 0.0;
+        waiting_[c] = 0;
+      }
       const std::size_t decided = seen.size();
       if (decided == 0) break;
       left -= decided;
@@ -122,22 +133,35 @@ class ComponentSigns {
   bool is_hidden(const VisibilityVote& vote) const {
     return vote.seen <= options_.least_visible * vote.possible;
   }
-  bool is_close(const VisibilityVote& vote) const {
-    return std::abs(vote.majority()) < options_.least_vote;
-  }
+  bool is_close(double majority) const { return std::abs(majority) < options_.least_vote; }
 
-  // What is seen from either side alike may be an open sheet, such as a terrain: then the side
-  // towards +z (or +y, +x where it stands upright). 0 for what closes on itself.
-  double upward_of_sheet(std::size_t component) {
-    if (normal_sum_.empty()) {
-      normal_sum_.assign(size_.size(), Vec3(Vec3::Zero()));
-      for (Index i = 0; i < cloud_.size(); ++i)
-        normal_sum_[forest_.component_of_sample[i]] += cloud_.normal[i].cast<double>();
+  void sum_normals() {
+    normal_sum_.assign(size_.size(), Vec3(Vec3::Zero()));
+    for (Index i = 0; i < cloud_.size(); ++i)
+      normal_sum_[forest_.component_of_sample[i]] += cloud_.normal[i].cast<double>();
+  }
+  // What closes on itself has normals all around.
+  bool is_sheet(std::size_t component) const {
+    return normal_sum_[component].norm() >= kLeastSheetNormal * size_[component];
+  }
+  // Where the components that have a sign face on the whole; zero if they face all around.
+  Vec3 front_of_decided(const std::vector<char>& flip) const {
+    Vec3 sum = Vec3::Zero();
+    double samples = 0.0;
+    for (std::size_t c = 0; c < size_.size(); ++c) {
+      if (waiting_[c]) continue;
+      sum += flip[c] ? Vec3(-normal_sum_[c]) : normal_sum_[c];
+      samples += size_[c];
     }
+    return sum.norm() < kLeastSheetNormal * samples ? Vec3(Vec3::Zero()) : sum;
+  }
+  // Positive if a sheet faces `front` or, where that does not tell, +z (or +y, +x if it stands
+  // upright).
+  double towards(std::size_t component, const Vec3& front) const {
     const Vec3& sum = normal_sum_[component];
-    if (sum.norm() < kLeastSheetNormal * size_[component]) return 0.0;
-    for (const int axis : {2, 1, 0})
-      if (std::abs(sum[axis]) > 0.1 * sum.norm()) return sum[axis];
+    const Vec3 sides[] = {front.normalized(), Vec3::UnitZ(), Vec3::UnitY(), Vec3::UnitX()};
+    for (const Vec3& side : sides)
+      if (std::abs(sum.dot(side)) > kLeastCosine * sum.norm()) return sum.dot(side);
     return 0.0;
   }
 
@@ -172,18 +196,18 @@ class ComponentSigns {
     Index stride = samples / std::max<Index>(options_.drawn_samples, 1) + 1;
     int directions = options_.view_directions;
     for (;;) {
-      std::vector<VisibilityVote> votes = vote(stride, directions);
+      std::vector<VisibilityVote> votes = by_component(vote(stride, directions));
       bool clear = true;
       for (std::size_t c = 0; c < votes.size(); ++c)
         clear = clear && !(waiting_[c] && size_[c] > kDrawnPerComponent && !is_hidden(votes[c]) &&
-                           is_close(votes[c]));
+                           is_close(votes[c].majority()));
       if (clear || stride == 1) return votes;
       stride = std::max<Index>(1, stride / 4);
       directions = std::max(std::min(directions, 24), directions / 2);
     }
   }
 
-  std::vector<VisibilityVote> vote(Index stride, int directions) const {
+  SampleVotes vote(Index stride, int directions) const {
     std::vector<Index> drawn, passed(size_.size(), 0);
     for (Index i = 0; i < cloud_.size(); ++i) {
       const Index component = forest_.component_of_sample[i];
@@ -191,17 +215,39 @@ class ComponentSigns {
       const Index own_stride = std::clamp<Index>(size_[component] / kDrawnPerComponent, 1, stride);
       if (passed[component]++ % own_stride == 0) drawn.push_back(i);
     }
-    return sum_by_component(
-        drawn,
-        visibility_votes(cloud_, drawn, views_of(cloud_, options_, stride, directions), progress_));
+    return votes_on(std::move(drawn), stride, directions);
   }
 
-  std::vector<VisibilityVote> sum_by_component(const std::vector<Index>& drawn,
-                                               const std::vector<VisibilityVote>& votes) const {
-    std::vector<VisibilityVote> sums(size_.size());
-    for (std::size_t k = 0; k < drawn.size(); ++k)
-      sums[forest_.component_of_sample[drawn[k]]].add(votes[k]);
-    return sums;
+  // On one component, as if there were nothing else.
+  VisibilityVote votes_on(std::size_t component) {
+    if (samples_.empty()) sort_by_component();
+    const Index stride = size_[component] / std::max<Index>(options_.drawn_samples, 1) + 1;
+    std::vector<Index> drawn;
+    for (Index k = first_[component]; k < first_[component + 1]; k += stride)
+      drawn.push_back(samples_[k]);
+    VisibilityVote sum;
+    for (const VisibilityVote& vote :
+         votes_on(std::move(drawn), stride, options_.view_directions).votes)
+      sum.add(vote);
+    return sum;
+  }
+  void sort_by_component() {
+    first_.assign(size_.size() + 1, 0);
+    std::partial_sum(size_.begin(), size_.end(), first_.begin() + 1);
+    samples_.resize(cloud_.position.size());
+    std::vector<Index> next(first_.begin(), first_.end() - 1);
+    for (Index i = 0; i < cloud_.size(); ++i) samples_[next[forest_.component_of_sample[i]]++] = i;
+  }
+
+  // Of samples, each of which stands for `stride`.
+  SampleVotes votes_on(std::vector<Index> drawn, Index stride, int directions) const {
+    SampleVotes samples{std::move(drawn), {}};
+    samples.votes = visibility_votes(cloud_, samples.drawn,
+                                     views_of(cloud_, options_, stride, directions), progress_);
+    return samples;
+  }
+  std::vector<VisibilityVote> by_component(const SampleVotes& samples) const {
+    return samples.by_component(forest_.component_of_sample, forest_.components);
   }
 
   const PointCloud& cloud_;
@@ -211,7 +257,9 @@ class ComponentSigns {
   Progress& progress_;
   std::vector<Index> size_;       // samples of each component
   std::vector<char> waiting_;     // components without a sign yet
-  std::vector<Vec3> normal_sum_;  // of each component, once asked for
+  std::vector<Vec3> normal_sum_;  // of each component
+  std::vector<Index> samples_;    // by component, and where each begins: once asked for
+  std::vector<Index> first_;
 };
 
 // exp(-x) for x in [0, 2.5], within 0.2 %: four terms at a quarter of x.

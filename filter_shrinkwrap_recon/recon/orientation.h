@@ -15,7 +15,7 @@ struct OrientationOptions {
   double min_cosine =
       0.5;  ///< a view votes on a sample only if |normal . direction| is at least this
   Index drawn_samples = 16000;  ///< of larger clouds a part is drawn, more if the votes are close
-  double least_vote = 0.05;     ///< undecided below this part of the votes there could have been
+  double least_vote = 0.02;     ///< undecided below this part of the votes there could have been
   double least_visible = 0.02;  ///< enclosed if this part or less of the possible votes was cast
   Index propagation_samples =
       64000;                        ///< drawn, at most, for the views that have a say in signs ...
@@ -38,10 +38,14 @@ struct OrientationReport {
 /// one sign per connected component of the graph from visibility: the side that more orthographic
 /// views see is outside. Components that nobody sees are drawn again without those that were seen:
 /// where the winding number of these says that they lie within the body they bound a cavity, else a
-/// body of their own, in a cavity or behind others. Then computes the tangent planes. Undecided
-/// components keep the sign of the majority, however small, unless they are open sheets: these face
-/// +z (or +y, +x if they stand upright), as terrains do. O(N) expected time but for the union-find,
-/// O(N) memory, the same for any number of threads.
+/// body of their own, in a cavity or behind others.
+///
+/// Views are trusted as far as a component is closed (VisibilityVote::trust): what stands on an
+/// open sheet, such as the ground, hides its front. Of a sheet it counts too how convex it is, seen
+/// by itself. Sheets that are neither closed nor convex face where the other components do on the
+/// whole, or +z (or +y, +x if they stand upright). What is left undecided keeps the sign of the
+/// majority, however small. Then computes the tangent planes. O(N) expected time but for the
+/// union-find, O(N) memory, the same for any number of threads.
 OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& options,
                                  Progress& progress);
 

@@ -42,6 +42,22 @@ std::vector<SignEdge> edges_between(const NeighbourGraph& graph, const SignedPat
 
 }  // namespace
 
+std::vector<VisibilityVote> SampleVotes::by_component(const std::vector<Index>& component_of_sample,
+                                                      Index components) const {
+  std::vector<VisibilityVote> sums(static_cast<std::size_t>(components));
+  for (std::size_t k = 0; k < drawn.size(); ++k) sums[component_of_sample[drawn[k]]].add(votes[k]);
+  return sums;
+}
+
+SampleVotes SampleVotes::trusted(const std::vector<Index>& component_of_sample,
+                                 Index components) const {
+  const std::vector<VisibilityVote> sums = by_component(component_of_sample, components);
+  SampleVotes result = *this;
+  for (std::size_t k = 0; k < drawn.size(); ++k)
+    result.votes[k].outward *= sums[component_of_sample[drawn[k]]].trust();
+  return result;
+}
+
 std::vector<float> agreed_signs(const NeighbourGraph& graph, const SignedPatches& patches,
                                 const SampleVotes& votes, double vote_weight, Progress& progress) {
   const Eigen::Index size = patches.count;

@@ -12,6 +12,11 @@ namespace shrinkwrap {
 struct SampleVotes {
   std::vector<Index> drawn;
   std::vector<VisibilityVote> votes;  ///< on each of `drawn`
+
+  std::vector<VisibilityVote> by_component(const std::vector<Index>& component_of_sample,
+                                           Index components) const;
+  /// The same votes, by as much less as those on their components are to be trusted.
+  SampleVotes trusted(const std::vector<Index>& component_of_sample, Index components) const;
 };
 
 /// Parts of a cloud, each with one sign to be chosen.

@@ -12,6 +12,9 @@ namespace {
 
 constexpr int kDirectionsAtOnce = 8;       // depth buffers and votes that are held at a time
 constexpr double kPixelsPerSample = 16.0;  // at most
+constexpr double kSeenOpenly = 0.25;       // part of the views on one side
+// Mean closedness up to which samples are of an open sheet, and from which on they are of a body.
+constexpr double kSheet = 0.3, kBody = 0.6;
 constexpr float kNothing = -std::numeric_limits<float>::infinity();
 
 // Directions spread evenly over the sphere along a spiral (the golden angle between neighbours).
@@ -84,13 +87,26 @@ double affordable_pixel(const std::vector<Vec3f>& points, double pixel) {
   return std::max({pixel, diagonal / std::sqrt(pixels), 1e-6});
 }
 
+// The views in front of a sample and behind it, half of those possible each.
+VisibilityVote vote_of(double possible, double in_front, double behind) {
+  const double more = std::max(in_front, behind), less = std::min(in_front, behind);
+  if (more <= 0.0) return {possible, 0.0, 0.0, possible};
+  const double unlike = 1.0 - less / more;
+  return {possible, more + less, (in_front - behind) * unlike * unlike,
+          possible * std::max(0.0, 1.0 - 2.0 * less / (kSeenOpenly * possible))};
+}
+
 }  // namespace
+
+double VisibilityVote::trust() const {
+  const double closedness = possible > 0.0 ? closed / possible : 0.0;
+  return std::clamp((closedness - kSheet) / (kBody - kSheet), 0.0, 1.0);
+}
 
 std::vector<VisibilityVote> visibility_votes(const PointCloud& cloud,
                                              const std::vector<Index>& drawn,
                                              const VisibilityOptions& options, Progress& progress) {
-  std::vector<VisibilityVote> votes(drawn.size());
-  if (drawn.empty()) return votes;
+  if (drawn.empty()) return {};
   std::vector<Vec3f> points;
   points.reserve(drawn.size());
   for (Index sample : drawn) points.push_back(cloud.position[sample].cast<float>());
@@ -106,6 +122,10 @@ std::vector<VisibilityVote> visibility_votes(const PointCloud& cloud,
     std::vector<char> seen;
   };
   std::vector<View> views(kDirectionsAtOnce);
+  struct Sums {
+    double possible = 0.0, in_front = 0.0, behind = 0.0;
+  };
+  std::vector<Sums> sums(drawn.size());
   Progress silent;
   for (int first = 0; first < options.directions; first += kDirectionsAtOnce) {
     const int count = std::min(kDirectionsAtOnce, options.directions - first);
@@ -128,11 +148,16 @@ std::vector<VisibilityVote> visibility_votes(const PointCloud& cloud,
     });
     for (int v = 0; v < count; ++v)
       for (std::size_t i = 0; i < points.size(); ++i) {
-        const double cosine = views[v].cosine[i], seen = views[v].seen[i] ? 1.0 : 0.0;
-        votes[i].add({std::abs(cosine), seen * std::abs(cosine), seen * cosine});
+        const double cosine = views[v].cosine[i];
+        sums[i].possible += std::abs(cosine);
+        if (views[v].seen[i])
+          (cosine > 0.0 ? sums[i].in_front : sums[i].behind) += std::abs(cosine);
       }
     progress.update(static_cast<double>(first + count) / options.directions);
   }
+  std::vector<VisibilityVote> votes;
+  votes.reserve(sums.size());
+  for (const Sums& of : sums) votes.push_back(vote_of(of.possible, of.in_front, of.behind));
   return votes;
 }
 

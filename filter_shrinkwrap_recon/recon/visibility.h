@@ -5,22 +5,30 @@
 
 namespace shrinkwrap {
 
-/// Sums of |cosine| over the views that look steeply enough on a sample; of a set of samples, sums
-/// of these.
+/// What the views that look steeply enough on a sample tell of it, in sums of |cosine|; of a set of
+/// samples, sums of these.
 struct VisibilityVote {
-  double possible = 0.0;  ///< of all views
+  double possible = 0.0;  ///< of all such views
   double seen = 0.0;      ///< of those that see the sample
-  double outward = 0.0;   ///< of those that see it, positive where they look against its normal
+  double outward = 0.0;   ///< how much more those on the side that the normal points to see it than
+                          ///< the others; the less, the more alike both sides are seen
+  double closed = 0.0;    ///< x possible: 1 where nobody sees the other side, as within a body, 0
+                          ///< where a quarter of the views does, as on both sides of an open sheet
 
   /// In [-1, 1]: how much more the side that the normals point to is seen than the other.
   double majority() const { return possible > 0.0 ? outward / possible : 0.0; }
+  /// How far `outward` tells which side is outside. Not at all of open sheets, of which most
+  /// samples are seen from both sides: what stands on a sheet hides its front from some views, and
+  /// nothing hides its back. In [0, 1].
+  double trust() const;
 
   /// On the opposite normal.
-  VisibilityVote turned() const { return {possible, seen, -outward}; }
+  VisibilityVote turned() const { return {possible, seen, -outward, closed}; }
   void add(const VisibilityVote& other) {
     possible += other.possible;
     seen += other.seen;
     outward += other.outward;
+    closed += other.closed;
   }
 };
 
