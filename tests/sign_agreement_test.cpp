@@ -70,6 +70,20 @@ TEST_F(SignAgreement, NeighboursOutvoteViewsThatAreWrong) {
   EXPECT_EQ(count_downward(signs()), 0);
 }
 
+// Of two components one is closed, the other is an open sheet.
+TEST_F(SignAgreement, VotesAreTrustedAsFarAsTheirComponentIsClosed) {
+  SampleVotes votes;
+  votes.drawn = {0, 1, 2, 3};
+  votes.votes = {
+      {2.0, 1.0, 0.5, 2.0}, {2.0, 1.0, -0.5, 1.8}, {2.0, 1.9, 0.5, 0.0}, {2.0, 1.9, 0.6, 0.1}};
+  const std::vector<Index> component = {0, 0, 1, 1};
+  EXPECT_NEAR(votes.by_component(component, 2)[1].majority(), 1.1 / 4.0, 1e-12);
+  const SampleVotes trusted = votes.trusted(component, 2);
+  EXPECT_EQ(trusted.drawn, votes.drawn);
+  const double expected[] = {0.25, -0.25, 0.0, 0.0};
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(trusted.votes[k].majority(), expected[k]);
+}
+
 TEST_F(SignAgreement, IsNoneWhereNoViewTells) {
   for (const float sign : signs()) EXPECT_EQ(sign, 0.0f);
 }

@@ -1,0 +1,84 @@
+#include "visibility.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "shapes.h"
+
+namespace shrinkwrap::testing {
+namespace {
+
+// Samples on a grid over a unit square at height z, looking up.
+void add_square(PointCloud& cloud, double z, int width) {
+  for (int i = 0; i < width; ++i)
+    for (int j = 0; j < width; ++j) {
+      cloud.position.emplace_back((i + 0.5) / width, (j + 0.5) / width, z);
+      cloud.normal.push_back(Vec3f::UnitZ());
+    }
+}
+
+std::vector<VisibilityVote> votes_on_all(const PointCloud& cloud, double spacing) {
+  VisibilityOptions options;
+  options.pixel = 1.5 * spacing;
+  options.depth_tolerance = 0.7 * spacing;
+  std::vector<Index> drawn;
+  for (Index i = 0; i < cloud.size(); ++i) drawn.push_back(i);
+  Progress silent;
+  return visibility_votes(cloud, drawn, options, silent);
+}
+
+constexpr int kWidth = 40;
+constexpr Index kMiddle = kWidth * kWidth / 2 + kWidth / 2;
+
+TEST(Visibility, BothSidesOfASheetAreSeen) {
+  PointCloud cloud;
+  add_square(cloud, 0.0, kWidth);
+  VisibilityVote sum;
+  for (const VisibilityVote& vote : votes_on_all(cloud, 1.0 / kWidth)) {
+    EXPECT_GT(vote.seen, 0.97 * vote.possible);
+    EXPECT_NEAR(vote.majority(), 0.0, 1e-3);
+    EXPECT_EQ(vote.closed, 0.0);
+    sum.add(vote);
+  }
+  EXPECT_EQ(sum.trust(), 0.0);
+}
+
+TEST(Visibility, OneSideOfEachOfTwoSheetsIsSeen) {
+  PointCloud cloud;
+  add_square(cloud, 0.0, kWidth);
+  add_square(cloud, 0.1, kWidth);
+  const std::vector<VisibilityVote> votes = votes_on_all(cloud, 1.0 / kWidth);
+  for (const bool above : {false, true}) {
+    const VisibilityVote& vote = votes[kMiddle + (above ? kWidth * kWidth : 0)];
+    EXPECT_NEAR(vote.majority(), above ? 0.5 : -0.5, 0.02) << "half of the views, and all of these";
+    EXPECT_NEAR(vote.closed, vote.possible, 1e-9);
+    EXPECT_EQ(vote.turned().majority(), -vote.majority());
+    EXPECT_EQ(vote.trust(), 1.0);
+  }
+}
+
+// A roof hides the front of the ground below it from many views, and nothing hides the back.
+TEST(Visibility, VotesCountLessWhereBothSidesAreSeen) {
+  PointCloud cloud;
+  add_square(cloud, 0.0, kWidth);
+  const Index ground = cloud.size();
+  for (const Vec3& p : std::vector<Vec3>(cloud.position)) {
+    if ((p - Vec3(0.5, 0.5, 0.0)).cwiseAbs().maxCoeff() > 0.15) continue;
+    cloud.position.push_back(p + Vec3(0.0, 0.0, 0.35));
+    cloud.normal.push_back(Vec3f::UnitZ());
+  }
+  const std::vector<VisibilityVote> votes = votes_on_all(cloud, 1.0 / kWidth);
+  const VisibilityVote& below = votes[kMiddle];
+  const double hidden = (below.possible - below.seen) / below.possible;
+  EXPECT_GT(hidden, 0.05);
+  EXPECT_LT(below.majority(), 0.0);
+  EXPECT_GT(below.majority(), -0.5 * hidden) << "less than the part that is hidden";
+  EXPECT_EQ(below.closed, 0.0) << "it is seen from a quarter of the views";
+  VisibilityVote sum;
+  for (Index i = 0; i < ground; ++i) sum.add(votes[i]);
+  EXPECT_EQ(sum.trust(), 0.0);
+}
+
+}  // namespace
+}  // namespace shrinkwrap::testing
