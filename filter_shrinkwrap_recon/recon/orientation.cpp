@@ -99,16 +99,16 @@ class ComponentSigns {
       std::vector<std::size_t> seen, undecided_sheets;
       for (std::size_t c = 0; c < components; ++c) {
         if (!waiting_[c] || is_hidden(votes[c])) continue;
-        // The wall of a cavity is seen from within the body.
-        const bool is_cavity = layer > 0 && enclosed[c];
-        double outward = is_cavity ? -votes[c].majority() : votes[c].majority();
         const double trust = votes[c].trust();
+        double outward = votes[c].majority();
         if (is_sheet(c) && (trust < 1.0 || is_close(outward))) {
           outward = trust * outward + votes_on(c).majority();
           if (is_close(outward)) undecided_sheets.push_back(c);
         }
         const bool is_undecided = is_close(outward);
-        flip[c] = outward < 0.0;
+        // The wall of a cavity is seen from within the body.
+        const bool is_cavity = layer > 0 && enclosed[c];
+        flip[c] = is_cavity ? outward > 0.0 : outward < 0.0;
         seen.push_back(c);
         report.enclosed_components += layer > 0;
         report.undecided_components += is_undecided;
