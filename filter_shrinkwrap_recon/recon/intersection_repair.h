@@ -18,9 +18,10 @@ struct RepairOptions {
   int max_look_ahead = 2;  ///< flips that are tried together where fewer do not help
   /// Hinges looked at bound the time, some 3 us each (coplanar samples: 30; a sample relocated
   /// counts as 50): for each face that meets another at the start, and in all; 0: 50,000 and one
-  /// for each face of the mesh. So do the pairs of faces whose boxes meet: a million, and 20 for
-  /// each face of the mesh, never one more. Annealing comes on top: at most 20 moves for each trial
-  /// for a face, and 20,000 and two for each face of the mesh (some 7 us each) with 30 tests each.
+  /// for each face of the mesh. So do the pairs of faces whose boxes meet: a million (200,000 if
+  /// nearly all faces meet others), and 20 for each face of the mesh, never one more. Annealing
+  /// comes on top: at most 20 moves for each trial for a face, and 20,000 and two for each face of
+  /// the mesh (some 7 us each) with 30 tests each.
   std::int64_t max_trials_per_face = 1000;
   std::int64_t max_trials = 0;
   /// Cosine of the sharpest angle between the normals of neighbours that a flip may make anew, as
