@@ -23,8 +23,8 @@ constexpr Index kMaxDetour = 2;
 constexpr std::int64_t kLeastTrials = 50000;
 // Tests of pairs of triangles are bounded too: where all faces of a heap meet each other, one trial
 // takes thousands, and with coordinates of very different size each is slow.
-constexpr std::int64_t kLeastTests = 1000000, kLeastTestsOfHeap = 200000;
-constexpr double kHeap = 0.9;  // of all faces: if more meet others at first
+constexpr std::int64_t kLeastTests = 1000000, kLeastTestsIfHopeless = 200000;
+constexpr double kHopeless = 0.9;  // of all faces: if more meet others at first
 constexpr std::int64_t kTestsPerFace = 20;
 constexpr std::int64_t kTrialsOfRelocation = 50;
 // Beside that there are moves of annealing, 20 for each trial that is allowed for a face, and no
@@ -64,8 +64,7 @@ class Repair {
         options_(options),
         progress_(progress),
         opening_faces_(opening_faces),
-        meetings_(mesh, kLeastTestsOfHeap + kTestsPerFace * mesh.face_slots(), progress,
-                  opening_faces),
+        meetings_(mesh, kTestsPerFace * mesh.face_slots(), progress, opening_faces),
         hinges_(mesh, meetings_, opening_faces) {}
 
   RepairReport run();
@@ -284,8 +283,8 @@ RepairReport Repair::run() {
   report.before = meetings_.pair_count();
   report.faces_before = meetings_.faces_at_first();
   if (faces.empty()) return report;
-  if (report.faces_before <= kHeap * mesh_.face_count())
-    meetings_.grant(kLeastTests - kLeastTestsOfHeap);
+  meetings_.grant(report.faces_before > kHopeless * mesh_.face_count() ? kLeastTestsIfHopeless
+                                                                       : kLeastTests);
   const std::int64_t max_trials =
       options_.max_trials > 0 ? options_.max_trials : kLeastTrials + mesh_.face_slots();
   trials_left_ = std::min(max_trials, options_.max_trials_per_face * report.faces_before);
