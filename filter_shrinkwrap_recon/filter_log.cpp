@@ -82,11 +82,10 @@ std::string surface_verdict(const char* what, const SurfaceMesh& mesh) {
 
 void warn_of(const OrientationReport& report, std::vector<std::string>& warnings) {
   if (report.undecided_components > 0)
-    warnings.push_back(count_of(report.undecided_components, "part") +
-                       " of the cloud can be seen from either side alike, or from neither: which "
-                       "side is outside is "
-                       "a guess (where the rest faces, or up). Where it is wrong, turn the mesh "
-                       "(filter \"Invert Faces Orientation\").");
+    warnings.push_back(
+        count_of(report.undecided_components, "part") +
+        " of the cloud can be seen from either side alike, or from neither: which side is outside "
+        "is a guess. Where it is wrong, turn the mesh (filter \"Invert Faces Orientation\").");
 }
 
 void tell_of_noise(double noise, const DenoisingReport& denoising,

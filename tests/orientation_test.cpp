@@ -291,7 +291,7 @@ TEST(Orientation, GroundFacesUpwardsUnderWhatStandsOnIt) {
       }
 }
 
-// The roofs tell that it is: their inner sides cannot be seen.
+// Roofs tell, whose inner sides can hardly be seen; the ground does not.
 TEST(Orientation, SheetsThatNoViewTellsAboutFaceWhereOthersDo) {
   for (const int axis : {0, 1, 2})
     for (const double sign : {-1.0, 1.0}) {

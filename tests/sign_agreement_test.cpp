@@ -78,10 +78,9 @@ TEST_F(SignAgreement, VotesAreTrustedAsFarAsTheirComponentIsClosed) {
       {2.0, 1.0, 0.5, 2.0}, {2.0, 1.0, -0.5, 1.8}, {2.0, 1.9, 0.5, 0.0}, {2.0, 1.9, 0.6, 0.1}};
   const std::vector<Index> component = {0, 0, 1, 1};
   EXPECT_NEAR(votes.by_component(component, 2)[1].majority(), 1.1 / 4.0, 1e-12);
-  const SampleVotes trusted = votes.trusted(component, 2);
-  EXPECT_EQ(trusted.drawn, votes.drawn);
+  votes.weigh_by_trust(component, 2);
   const double expected[] = {0.25, -0.25, 0.0, 0.0};
-  for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(trusted.votes[k].majority(), expected[k]);
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(votes.votes[k].majority(), expected[k]);
 }
 
 TEST_F(SignAgreement, IsNoneWhereNoViewTells) {

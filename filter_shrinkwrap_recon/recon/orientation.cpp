@@ -52,8 +52,8 @@ void follow_agreement(const PointCloud& cloud, const NeighbourGraph& graph,
   };
   const std::vector<double> edges_of_tree = edges(forest.flipped),
                             edges_of_agreement = edges(forest.flipped_as_agreed);
-  const auto is_better = [&](const SampleVotes& all) {
-    const SampleVotes judges = all.trusted(forest.component_of_sample, forest.components);
+  const auto is_better = [&](SampleVotes judges) {
+    judges.weigh_by_trust(forest.component_of_sample, forest.components);
     const auto views = [&](const std::vector<char>& flipped) {
       return votes_against(judges, forest.component_of_sample, forest.components, flipped,
                            options.judging_weight, options.signs.least_majority);
@@ -100,26 +100,24 @@ class ComponentSigns {
       for (std::size_t c = 0; c < components; ++c) {
         if (!waiting_[c] || is_hidden(votes[c])) continue;
         const double trust = votes[c].trust();
-        double outward = votes[c].majority();
-        if (is_sheet(c) && (trust < 1.0 || is_close(outward))) {
-          outward = trust * outward + votes_on(c).majority();
-          if (is_close(outward)) undecided_sheets.push_back(c);
+        const bool may_be_open = is_sheet(c) && (trust < 1.0 || is_close(votes[c].majority()));
+        const double outward = may_be_open ? trust * votes[c].majority() + votes_on(c).majority()
+                                           : votes[c].majority();
+        seen.push_back(c);
+        report.enclosed_components += layer > 0;
+        report.undecided_components += is_close(outward);
+        if (may_be_open && is_close(outward)) {
+          undecided_sheets.push_back(c);
+          continue;
         }
-        const bool is_undecided = is_close(outward);
         // The wall of a cavity is seen from within the body.
         const bool is_cavity = layer > 0 && enclosed[c];
         flip[c] = is_cavity ? outward > 0.0 : outward < 0.0;
-        seen.push_back(c);
-        report.enclosed_components += layer > 0;
-        report.undecided_components += is_undecided;
+        front_ += flip[c] ? Vec3(-normal_sum_[c]) : normal_sum_[c];
+        in_front_ += size_[c];
       }
+      for (const std::size_t c : undecided_sheets) flip[c] = towards_front(c) < 0.0;
       for (const std::size_t c : seen) waiting_[c] = 0;
-      for (const std::size_t c : undecided_sheets) waiting_[c] = 1;
-      const Vec3 front = front_of_decided(flip);
-      for (const std::size_t c : undecided_sheets) {
-        flip[c] = towards(c, front) < 0.0;
-        waiting_[c] = 0;
-      }
       const std::size_t decided = seen.size();
       if (decided == 0) break;
       left -= decided;
@@ -144,22 +142,13 @@ class ComponentSigns {
   bool is_sheet(std::size_t component) const {
     return normal_sum_[component].norm() >= kLeastSheetNormal * size_[component];
   }
-  // Where the components that have a sign face on the whole; zero if they face all around.
-  Vec3 front_of_decided(const std::vector<char>& flip) const {
-    Vec3 sum = Vec3::Zero();
-    double samples = 0.0;
-    for (std::size_t c = 0; c < size_.size(); ++c) {
-      if (waiting_[c]) continue;
-      sum += flip[c] ? Vec3(-normal_sum_[c]) : normal_sum_[c];
-      samples += size_[c];
-    }
-    return sum.norm() < kLeastSheetNormal * samples ? Vec3(Vec3::Zero()) : sum;
-  }
-  // Positive if a sheet faces `front` or, where that does not tell, +z (or +y, +x if it stands
-  // upright).
-  double towards(std::size_t component, const Vec3& front) const {
+  // Positive if a sheet faces where the decided components do on the whole or, where these face all
+  // around, +z (or +y, +x if it stands upright).
+  double towards_front(std::size_t component) const {
     const Vec3& sum = normal_sum_[component];
-    const Vec3 sides[] = {front.normalized(), Vec3::UnitZ(), Vec3::UnitY(), Vec3::UnitX()};
+    const bool is_clear = front_.norm() >= kLeastSheetNormal * in_front_;
+    const Vec3 front = is_clear ? front_.normalized() : Vec3(Vec3::Zero());
+    const Vec3 sides[] = {front, Vec3::UnitZ(), Vec3::UnitY(), Vec3::UnitX()};
     for (const Vec3& side : sides)
       if (std::abs(sum.dot(side)) > kLeastCosine * sum.norm()) return sum.dot(side);
     return 0.0;
@@ -258,6 +247,8 @@ class ComponentSigns {
   std::vector<Index> size_;       // samples of each component
   std::vector<char> waiting_;     // components without a sign yet
   std::vector<Vec3> normal_sum_;  // of each component
+  Vec3 front_ = Vec3::Zero();     // sum of the signed normals of the components that were decided
+  double in_front_ = 0.0;         // samples of these
   std::vector<Index> samples_;    // by component, and where each begins: once asked for
   std::vector<Index> first_;
 };

@@ -49,13 +49,10 @@ std::vector<VisibilityVote> SampleVotes::by_component(const std::vector<Index>& 
   return sums;
 }
 
-SampleVotes SampleVotes::trusted(const std::vector<Index>& component_of_sample,
-                                 Index components) const {
+void SampleVotes::weigh_by_trust(const std::vector<Index>& component_of_sample, Index components) {
   const std::vector<VisibilityVote> sums = by_component(component_of_sample, components);
-  SampleVotes result = *this;
   for (std::size_t k = 0; k < drawn.size(); ++k)
-    result.votes[k].outward *= sums[component_of_sample[drawn[k]]].trust();
-  return result;
+    votes[k].outward *= sums[component_of_sample[drawn[k]]].trust();
 }
 
 std::vector<float> agreed_signs(const NeighbourGraph& graph, const SignedPatches& patches,

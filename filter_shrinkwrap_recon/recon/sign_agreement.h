@@ -15,8 +15,8 @@ struct SampleVotes {
 
   std::vector<VisibilityVote> by_component(const std::vector<Index>& component_of_sample,
                                            Index components) const;
-  /// The same votes, by as much less as those on their components are to be trusted.
-  SampleVotes trusted(const std::vector<Index>& component_of_sample, Index components) const;
+  /// The votes count as far as those on their components are to be trusted.
+  void weigh_by_trust(const std::vector<Index>& component_of_sample, Index components);
 };
 
 /// Parts of a cloud, each with one sign to be chosen.

@@ -231,9 +231,10 @@ SpanningForest span_normals(const NeighbourGraph& graph, const SampleVotes& vote
 
   SpanningForest forest;
   if (patches.count > components.count) {
+    SampleVotes trusted = votes;
+    trusted.weigh_by_trust(components.patch_of_sample, components.count);
     const std::vector<float> signs =
-        agreed_signs(graph, patches, votes.trusted(components.patch_of_sample, components.count),
-                     options.vote_weight, progress);
+        agreed_signs(graph, patches, trusted, options.vote_weight, progress);
     forest.flipped_as_agreed.resize(patches.patch_of_sample.size());
     for (Index i = 0; i < graph.sample_count(); ++i) {
       const float sign = signs[patches.patch_of_sample[i]];

@@ -50,7 +50,7 @@ class Classification {
 
   // Only of some bricks.
   VoxelSolid run(const std::vector<Index>& bricks, double least_spacing, Progress& progress) {
-    const PlaneField planes = plane_field(least_spacing, progress);
+    const PlaneField planes = make_plane_field(least_spacing, progress);
     parallel_for_each(static_cast<Index>(bricks.size()), kBrickGrain, progress,
                       [&](Index i) { classify(bricks[i], planes); });
     return std::move(solid_);
@@ -67,7 +67,7 @@ class Classification {
     const double asked_for = options_.voxel_size * cloud_.spacing;
     for (double size = asked_for;; size = 2.0 * solid_.lattice.size) {
       solid_.lattice = lattice_over(box, size);
-      PlaneField planes = plane_field(solid_.lattice.size / asked_for, progress);
+      PlaneField planes = make_plane_field(solid_.lattice.size / asked_for, progress);
       const std::vector<BrickKey> keys = planes.keys_of_bricks_in_reach(progress);
       if (keys.size() > most) continue;
       for (const BrickKey key : keys) solid_.image.add(brick_of_key(key));
@@ -75,7 +75,7 @@ class Classification {
       return planes;
     }
   }
-  PlaneField plane_field(double least_spacing, Progress& progress) const {
+  PlaneField make_plane_field(double least_spacing, Progress& progress) const {
     return {cloud_, solid_.lattice, {options_.blend_end, least_spacing}, progress};
   }
 
