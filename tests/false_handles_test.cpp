@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "expect_mesh.h"
 #include "initial_mesh.h"
@@ -44,15 +45,32 @@ TEST(FalseHandles, AreCutFromThinWalls) {
   }
 }
 
+// A block of 1.2 by 1.2 by 0.6 with a slot from above, some `width` spacings wide.
+std::vector<Vec3> sample_slotted_block(Index count, double width, unsigned seed) {
+  const auto box = [](const Vec3& p, const Vec3& half) {
+    const Vec3 q = p.cwiseAbs() - half;
+    return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
+  };
+  const double half_slot = 0.5 * width * std::sqrt(6.0 / count);
+  Random random(seed);
+  return sample_implicit(
+             [&](const Vec3& p) {
+               return std::max(box(p, {0.6, 0.6, 0.3}),
+                               -box(p - Vec3(0.0, 0.0, 0.15), {half_slot, 2.0, 0.3}));
+             },
+             {1.0, nullptr}, count, random)
+      .points;
+}
+
 TEST(FalseHandles, AreCutFromANarrowGap) {
   Index before = 0, left = 0;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
-    const auto points = sample_cut_ring(4000, 1.5, seed);
+    const auto points = sample_slotted_block(3000, 2.5, seed);
     before += initial_mesh_of(points, false).report.genus;
     left += initial_mesh_of(points).report.genus;
   }
-  EXPECT_GE(before, 30);
-  EXPECT_LT(left, before);  // what is left has samples on both sides of the gap that bear it out
+  EXPECT_GE(before, 20) << "there is little to cut: this test tests little";
+  EXPECT_LE(left, before / 2);
 }
 
 TEST(FalseHandles, AreNoneOfTheObject) {
