@@ -217,7 +217,8 @@ std::vector<Parameter> solid_parameters() {
                       "Robust method: what counts as inside, 0 far outside to 1 deep inside. "
                       "Lowered (0.3): openings are "
                       "spanned farther out, good for half scans. Raised (0.5): tighter, may tear "
-                      "false handles. No unit; "
+                      "false handles. Open sheets (terrain, one view of an object) have 0.25 at "
+                      "most. No unit; "
                       "range 0.05 to 0.95.")),
       advanced(number(Kind::integer, kMinComponent, "Smallest body (samples)", 30, 4, kMostElements,
                       "Robust method: bodies and cavities supported by fewer samples than this get "

@@ -241,7 +241,7 @@ TEST(FilterRuns, ChainThroughTheSamplesOfANoisyCloudGivesTheBytesOfTheOneShot) {
 
 TEST(FilterRuns, ChainOverASheetGivesTheBytesOfTheOneShot) {
   FilterInput input;
-  input.points = in_single_precision(sample_strip(600, 4));
+  input.points = in_single_precision(sample_strip(600, 5, 4));
   for (const double openings : {0.0, 1.0, 2.0}) {
     const FilterOutcome one_shot = run(Filter::reconstruct, input, {{"Openings", openings}});
     ASSERT_TRUE(is_told(one_shot, "and taken"));

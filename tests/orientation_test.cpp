@@ -8,17 +8,20 @@
 #include <cmath>
 
 #include "shapes.h"
+#include "town.h"
 
 namespace shrinkwrap {
 namespace {
 
 using testing::closed_shapes;
+using testing::make_town;
 using testing::Random;
 using testing::sample_implicit;
 using testing::sample_shape;
 using testing::Shape;
 using testing::shape_of;
 using testing::ShapeKind;
+using testing::Town;
 
 PointCloud prepare(const std::vector<Vec3>& points) {
   Progress silent;
@@ -231,47 +234,6 @@ TEST(Orientation, ASheetOfHillsAndValleysHasOneSide) {
   }
 }
 
-// A town from above: ground that is seen between houses and below trees. What stands on the ground
-// hides its front from most views, and nothing hides its back.
-struct Town {
-  std::vector<Vec3> points, outward;
-  void add(const Vec3& point, const Vec3& normal) {
-    points.push_back(point);
-    outward.push_back(normal);
-  }
-};
-
-Town make_town(bool has_walls, bool has_trees, unsigned seed) {
-  constexpr int kWidth = 100, kBlock = 20;
-  constexpr double kHouse = 5.0, kHeight = 6.0, kTree = 3.0;
-  Random random(seed);
-  const auto jitter = [&] { return random.uniform(-0.3, 0.3); };
-  const auto from_centre = [](double x) { return std::fmod(x, kBlock) - 0.5 * kBlock; };
-  Town town;
-  for (int i = 0; i < kWidth; ++i)
-    for (int j = 0; j < kWidth; ++j) {
-      const double x = i + jitter(), y = j + jitter();
-      const bool is_roof = std::abs(from_centre(x)) < kHouse && std::abs(from_centre(y)) < kHouse;
-      town.add({x, y, is_roof ? kHeight : 0.0}, Vec3::UnitZ());
-    }
-  for (int x = kBlock / 2; x < kWidth; x += kBlock)
-    for (int y = kBlock / 2; y < kWidth; y += kBlock) {
-      for (int i = 0; has_walls && i < 4; ++i)
-        for (double along = -kHouse; along < kHouse; along += 1.0)
-          for (double z = 0.5; z < kHeight; z += 1.0) {
-            const Vec3 out = (i % 2 ? 1.0 : -1.0) * (i / 2 ? Vec3::UnitX() : Vec3::UnitY());
-            const Vec3 tangent(out.y(), out.x(), 0.0);
-            town.add(Vec3(x, y, z + jitter()) + kHouse * out + (along + jitter()) * tangent, out);
-          }
-      for (int k = 0; has_trees && k < 250; ++k) {
-        const Vec3 out = random.direction();
-        const Vec3 centre(x + 0.5 * kBlock, y + 0.5 * kBlock, 5.0);
-        if (out.z() > -0.4) town.add(centre + kTree * out, out);
-      }
-    }
-  return town;
-}
-
 Index count_wrong(const PointCloud& cloud, const std::vector<Vec3>& outward) {
   Index wrong = 0;
   for (Index i = 0; i < cloud.size(); ++i)
@@ -284,7 +246,7 @@ TEST(Orientation, GroundFacesUpwardsUnderWhatStandsOnIt) {
     for (const bool has_trees : {false, true})
       for (unsigned seed = 1; seed <= 3; ++seed) {
         SCOPED_TRACE(std::to_string(has_walls) + std::to_string(has_trees) + std::to_string(seed));
-        const Town town = make_town(has_walls, has_trees, seed);
+        const Town town = make_town({has_walls, has_trees, false}, seed);
         PointCloud cloud = prepare(town.points);
         orient(cloud);
         EXPECT_LT(count_wrong(cloud, town.outward), 0.02 * cloud.size());
@@ -296,7 +258,7 @@ TEST(Orientation, SheetsThatNoViewTellsAboutFaceWhereOthersDo) {
   for (const int axis : {0, 1, 2})
     for (const double sign : {-1.0, 1.0}) {
       SCOPED_TRACE(std::to_string(axis) + " " + std::to_string(sign));
-      Town town = make_town(false, false, 1);
+      Town town = make_town({false, false, false}, 1);
       for (std::vector<Vec3>* all : {&town.points, &town.outward})
         for (Vec3& v : *all) v = Vec3(v[(axis + 1) % 3], v[(axis + 2) % 3], v[axis]) * sign;
       PointCloud cloud = prepare(town.points);
@@ -371,6 +333,33 @@ TEST(Orientation, SmallComponentsBesideALargeOneAreSeen) {
     wrong += (p - centre).dot(cloud.normal[i].cast<double>()) < 0.0;
   }
   EXPECT_EQ(wrong, 0);
+}
+
+TEST(Orientation, TellsHowFarTheCloudIsClosed) {
+  const auto closedness = [](const std::vector<Vec3>& points) {
+    PointCloud cloud = prepare(points);
+    return orient(cloud).closedness;
+  };
+  for (const ShapeKind kind : closed_shapes())
+    EXPECT_EQ(closedness(sample_shape(kind, 3000, 1)), 1.0);
+  // Views see through few samples, or the rings of a scanner.
+  for (const Index count : {100, 200})
+    EXPECT_EQ(closedness(sphere(count, 1.0, Vec3::Zero(), 1)), 1.0) << count;
+  std::vector<Vec3> rings;
+  for (int ring = 1; ring < 8; ++ring)
+    for (int i = 0; i < 150; ++i) {
+      const double across = M_PI * ring / 8.0, along = 2.0 * M_PI * i / 150.0;
+      rings.emplace_back(std::sin(across) * std::cos(along), std::sin(across) * std::sin(along),
+                         std::cos(across));
+    }
+  EXPECT_EQ(closedness(rings), 1.0);
+  EXPECT_EQ(closedness(make_town({false, false, true}, 1).points), 0.0);
+  EXPECT_LT(closedness(make_town({}, 1).points), 0.3);  // roofs hide the edges of holes
+  std::vector<Vec3> both = make_town({}, 1).points;
+  append(both, sphere(4000, 30.0, {50.0, 50.0, 60.0}, 1));
+  const double of_both = closedness(both);
+  EXPECT_GT(of_both, 0.1);
+  EXPECT_LT(of_both, 0.9);
 }
 
 TEST(Orientation, SaysThatASheetHasNoOutside) {

@@ -11,6 +11,7 @@
 #include "expect_mesh.h"
 #include "self_intersection.h"
 #include "shapes.h"
+#include "town.h"
 
 namespace shrinkwrap::testing {
 namespace {
@@ -87,29 +88,56 @@ TEST(Reconstruct, AnOpeningIsClosedOrLeft) {
   EXPECT_EQ(open.report.samples_missing, 0);
 }
 
-// The solid behind a narrow sheet is thin: its back is near the samples, and would cut the front.
+// The solid behind a sheet is as thin as the sheet is narrow: its back may be near the samples, and
+// would cut the front.
 TEST(Reconstruct, ASheetHasOneSide) {
   ReconstructionOptions options;
   options.complete_matching.openings = CompleteMatchingOptions::Openings::leave_open;
-  for (const unsigned seed : {1u, 2u, 3u}) {
-    SCOPED_TRACE(seed);
-    const std::vector<Vec3> points = sample_strip(600, seed);
-    const Reconstruction open = reconstruct_silently(points, options);
-    EXPECT_TRUE(open.backs.is_taken);
-    EXPECT_GT(open.backs.first.weight(), 10);
-    EXPECT_EQ(open.backs.second.weight(), 0);
-    EXPECT_EQ(open.mesh.position, points);
-    EXPECT_TRUE(open.report.manifold());
-    EXPECT_EQ(open.report.border_loops, 1);
-    EXPECT_EQ(open.report.components, 1);
-    EXPECT_EQ(open.report.self_intersecting_faces, 0);
+  for (const Index width : {5, 10})
+    for (const unsigned seed : {1u, 2u, 3u}) {
+      SCOPED_TRACE(std::to_string(width) + " " + std::to_string(seed));
+      const std::vector<Vec3> points = sample_strip(600, width, seed);
+      const bool is_near = width == 5;
+      const Reconstruction open = reconstruct_silently(points, options);
+      EXPECT_EQ(open.backs.is_taken, is_near);
+      if (is_near) {
+        EXPECT_GT(open.backs.first.weight(), 10);
+        EXPECT_EQ(open.backs.second.weight(), 0);
+      }
+      EXPECT_EQ(open.mesh.position, points);
+      EXPECT_TRUE(open.report.manifold());
+      EXPECT_EQ(open.report.border_loops, 1);
+      EXPECT_EQ(open.report.components, 1);
+      EXPECT_EQ(open.report.self_intersecting_faces, 0);
 
-    const Reconstruction closed = reconstruct_silently(points);
-    EXPECT_TRUE(closed.backs.is_taken);
-    EXPECT_TRUE(closed.report.closed() && closed.report.manifold());
-    EXPECT_EQ(closed.report.samples_missing, 0);
-    EXPECT_EQ(closed.report.self_intersecting_faces, 0);
-    EXPECT_LT(closed.report.vertices_extra, 6);
+      const Reconstruction closed = reconstruct_silently(points);
+      EXPECT_EQ(closed.backs.is_taken, is_near);
+      EXPECT_TRUE(closed.report.closed() && closed.report.manifold());
+      EXPECT_EQ(closed.report.samples_missing, 0);
+      EXPECT_EQ(closed.report.self_intersecting_faces, 0);
+      EXPECT_LT(closed.report.vertices_extra, is_near ? 9 : 6);
+    }
+}
+
+// What a roof hides is spanned by a wall, or by ground below the roof; it is no hole through the
+// slab that the ground would be.
+TEST(Reconstruct, ShadowsAreNoTunnels) {
+  for (const bool is_oblique : {false, true}) {
+    SCOPED_TRACE(is_oblique);
+    const std::vector<Vec3> points = make_town({false, false, is_oblique}, 1).points;
+    const Reconstruction town = reconstruct_silently(points);
+    EXPECT_EQ(town.report.genus, 0);
+    EXPECT_EQ(town.report.components, is_oblique ? 1 : 26);  // roofs without walls are in the air
+    EXPECT_EQ(town.report.self_intersecting_faces, 0);
+    EXPECT_EQ(town.report.samples_matched, static_cast<Index>(points.size()));
+    // A closed mesh of the samples of one roof, which is flat, encloses nothing.
+    EXPECT_LT(town.report.vertices_extra, is_oblique ? 6 : 30);
+
+    ReconstructionOptions as_of_bodies;
+    as_of_bodies.initial_mesh.level_of_sheets = as_of_bodies.initial_mesh.level;
+    const Reconstruction slab = reconstruct_silently(points, as_of_bodies);
+    EXPECT_GT(slab.report.genus, 5);
+    EXPECT_GT(slab.report.vertices_extra, town.report.vertices_extra + 5);
   }
 }
 
@@ -126,7 +154,7 @@ TEST(Reconstruct, ProgressGoesOnInASecondAttempt) {
         return true;
       },
       stages_of(options));
-  ASSERT_TRUE(reconstruct(sample_strip(600, 1), options, progress).backs.is_made);
+  ASSERT_TRUE(reconstruct(sample_strip(600, 5, 1), options, progress).backs.is_made);
   // Matching and edges come twice. The weights of stages are the same, so every begin is later.
   ASSERT_EQ(begins.size(), stages_of(options).size() + 2);
   for (std::size_t i = 1; i < begins.size(); ++i) EXPECT_GT(begins[i], begins[i - 1]) << i;

@@ -375,13 +375,12 @@ std::vector<Vec3> sample_cut_ring(Index count, double gap, unsigned seed) {
   return sample_implicit(ring, {}, count, random).points;
 }
 
-std::vector<Vec3> sample_strip(Index count, unsigned seed) {
-  constexpr Index kWidth = 10;
+std::vector<Vec3> sample_strip(Index count, Index width, unsigned seed) {
   Random random(seed);
   std::vector<Vec3> points;
   for (Index i = 0; i < count; ++i) {
-    const double x = i / kWidth + random.uniform(-0.3, 0.3),
-                 y = i % kWidth + random.uniform(-0.3, 0.3);
+    const double x = i / width + random.uniform(-0.3, 0.3),
+                 y = i % width + random.uniform(-0.3, 0.3);
     points.push_back({x, y, 0.6 * std::sin(0.4 * x) * std::cos(0.5 * y)});
   }
   return points;

@@ -117,9 +117,8 @@ std::vector<Vec3> cube_with_gaps(const std::vector<Vec3>& alone);
 /// A ring that is cut open: genus 0. The gap between its ends measures so many sample spacings.
 std::vector<Vec3> sample_cut_ring(Index count, double gap, unsigned seed);
 
-/// A strip of uneven ground, some 10 samples wide, seen from above: `count` samples about one unit
-/// apart.
-std::vector<Vec3> sample_strip(Index count, unsigned seed);
+/// A strip of uneven ground, `width` samples wide, seen from above: samples about one unit apart.
+std::vector<Vec3> sample_strip(Index count, Index width, unsigned seed);
 
 /// Evenly spread over a unit sphere, and `finer` times as closely over a spike on it, which is a
 /// hundredth of the surface. `count`: of the sphere.

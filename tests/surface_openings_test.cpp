@@ -369,7 +369,7 @@ TEST(SurfaceOpenings, ASheetHasOneSide) {
   options.stop_at_parametric_surface = true;
   options.complete_matching.openings = Openings::leave_open;
   Progress silent;
-  const Reconstruction sheet = reconstruct(sample_strip(600, 1), options, silent);
+  const Reconstruction sheet = reconstruct(sample_strip(600, 10, 1), options, silent);
   EXPECT_TRUE(sheet.report.manifold());
   EXPECT_EQ(sheet.report.components, 1);
   EXPECT_EQ(sheet.report.border_loops, 1);

@@ -19,6 +19,10 @@ struct InitialMeshOptions {
   double voxel_size = 1.75;  ///< x s
   double level =
       0.4;  ///< solid where the field exceeds it (0.5 makes false handles, 0.3 suits half scans)
+  /// The same of open sheets, if it is lower (see orient_and_smooth). The winding number is a half
+  /// just behind a sheet and falls from there, and is less behind its holes: the solid of a higher
+  /// level is a thin slab, and shadows are holes through it.
+  double level_of_sheets = 0.25;
   double blend_begin =
       1.2;  ///< x local spacing: up to here from the samples the plane field alone decides
   double blend_end = 2.5;  ///< x local spacing: from here on the winding number alone decides

@@ -253,6 +253,17 @@ class ComponentSigns {
   std::vector<Index> first_;
 };
 
+// See OrientationReport::closedness. What closes on itself has normals all around, be it sampled so
+// sparsely that views see through it.
+double closedness_of(const PointCloud& cloud, const SampleVotes& votes) {
+  VisibilityVote on_all;
+  for (const VisibilityVote& vote : votes.votes) on_all.add(vote);
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3f& normal : cloud.normal) sum += normal.cast<double>();
+  const double beyond = sum.norm() / cloud.size() - kLeastSheetNormal;
+  return std::max(on_all.trust(), 1.0 - std::clamp(beyond / kLeastSheetNormal, 0.0, 1.0));
+}
+
 // exp(-x) for x in [0, 2.5], within 0.2 %: four terms at a quarter of x.
 inline float falling_exponential(float x) {
   const float y = 0.25f * x;
@@ -309,6 +320,8 @@ OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& op
   parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
     if (flip[forest.component_of_sample[i]]) cloud.normal[i] = -cloud.normal[i];
   });
+
+  report.closedness = closedness_of(cloud, votes);
 
   progress.set_range(0.85, 1.0);
   cloud.plane.resize(cloud.position.size());

@@ -31,6 +31,12 @@ bool are_of_single_precision(const std::vector<Vec3>& points) {
                      [](const Vec3& p) { return !p.allFinite() || rounded_to_single(p) == p; });
 }
 
+// Between that of sheets, if it is lower, and that of bodies.
+double level_of(const InitialMeshOptions& options, double closedness) {
+  return options.level -
+         (1.0 - closedness) * std::max(options.level - options.level_of_sheets, 0.0);
+}
+
 // Measures and orients the normals of a noisy cloud anew over wider neighbourhoods, moves its
 // samples onto the surface that they scatter about, and enlarges the voxels, the more so the
 // noisier the samples are.
@@ -140,7 +146,8 @@ void match_sheets(SurfaceMesh parametric, PointCloud& cloud, const std::vector<V
     match(std::move(parametric), cloud, points, options, result, log, progress);
     return;
   }
-  constexpr double kFirst = 0.75;  // of the time of both
+  constexpr double kFirst = 0.75;       // of the time of both
+  constexpr double kMostAtRims = 1e-3;  // x samples: a wide sheet has no other backs
   const double begin = progress.begin_of(Stage::complete_matching),
                end = progress.begin_of(Stage::report);
   Reconstruction second = without_stages(result);
@@ -149,7 +156,7 @@ void match_sheets(SurfaceMesh parametric, PointCloud& cloud, const std::vector<V
     const ProgressShare share(progress, from, from + kFirst);
     match(parametric, cloud, points, options, result, log, progress);
   }
-  if (result.complete_matching.backs == 0) return;
+  if (result.complete_matching.backs <= kMostAtRims * cloud.size()) return;
   options.complete_matching.backs_are_openings = true;
   options.outliers.foot = 0.0;  // as many samples as the first attempt
   const ProgressShare share(progress, kFirst * end, kFirst * end + 1.0 - kFirst);
@@ -288,6 +295,7 @@ CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
   report.orientation = orient_normals(cloud, options.orientation, progress);
   if (may_smooth) progress.set_part(0.15, 0.2);
   report.noise = estimate_noise(cloud, options.noise, progress);
+  options.initial_mesh.level = level_of(options.initial_mesh, report.orientation.closedness);
   if (report.noise.median > options.noise.high) {
     options.initial_mesh.dense_spacing = 0.0;
     if (options.initial_mesh.second_voxel_ratio > 0.0)
