@@ -133,6 +133,11 @@ TEST(Reconstruct, ShadowsAreNoTunnels) {
     // A closed mesh of the samples of one roof, which is flat, encloses nothing.
     EXPECT_LT(town.report.vertices_extra, is_oblique ? 6 : 30);
 
+    // Shadows are spanned, the outline stays a border.
+    ReconstructionOptions automatic;
+    automatic.complete_matching.openings = CompleteMatchingOptions::Openings::automatic;
+    EXPECT_LE(reconstruct_silently(points, automatic).report.border_loops, 2);
+
     ReconstructionOptions as_of_bodies;
     as_of_bodies.initial_mesh.level_of_sheets = as_of_bodies.initial_mesh.level;
     const Reconstruction slab = reconstruct_silently(points, as_of_bodies);
