@@ -96,6 +96,28 @@ Solid balls(std::string name, int n, int layers, double radius) {
   return with_topology(std::move(solid), 0, n * n * layers);
 }
 
+// Of the surface of a solid, what a scanner sees that is far away in some direction (of length 1).
+Solid seen_from(const Vec3& direction, Solid solid) {
+  const testing::ImplicitFunction implicit = solid.implicit;
+  const testing::SamplingDomain all = solid.domain;
+  solid.closed = false;
+  solid.domain.keep = [=](const Vec3& p) {
+    constexpr double kStep = 0.01;
+    if (all.keep && !all.keep(p)) return false;
+    for (double way = kStep; way < 2.0 * all.radius; way += kStep)
+      if (implicit(p + way * direction) < 0.0) return false;
+    return true;
+  };
+  return solid;
+}
+
+// The ground reaches beyond the ball in which it is sampled: it has no sides.
+double houses_distance(const Vec3& p) {
+  constexpr double kHalfWidth = 0.2, kHeight = 0.3, kFromMiddle = 0.4;
+  const Vec3 from_house(std::abs(p.x()) - kFromMiddle, std::abs(p.y()) - kFromMiddle, p.z());
+  return std::min(p.z(), box_distance(from_house, {kHalfWidth, kHalfWidth, kHeight}));
+}
+
 }  // namespace
 
 Solid solid_of(SolidKind kind, double drawn) {
@@ -160,9 +182,18 @@ Solid solid_of(SolidKind kind, double drawn) {
     case SolidKind::crowd:
       return balls("crowd", 4, 3, 0.06);
     case SolidKind::few_balls:
+      return balls("few_balls", 2, 2, 0.17);
+    case SolidKind::houses:
+      return seen_from(Vec3(0.5, 0.2, 1.0).normalized(),
+                       with_level_faces(made("houses", 1.0, 0.3, houses_distance)));
+    case SolidKind::one_view:
       break;
   }
-  return balls("few_balls", 2, 2, 0.17);
+  // What is seen beyond a limb may be the end of one scan line.
+  Solid view = seen_from(Vec3(0.3, -1.0, 0.5).normalized(),
+                         with_level_faces(of_unit_tests(ShapeKind::blob, 0.5)));
+  view.name = "one_view";
+  return view;
 }
 
 }  // namespace shrinkwrap::robustness

@@ -41,8 +41,10 @@ enum class SolidKind {
   nested,      ///< a ball in the hollow of another
   crowd,       ///< 48 balls, of which those in the middle are hidden
   few_balls,   ///< eight
+  houses,      ///< open: flat ground with four flat houses, seen obliquely from above
+  one_view,    ///< open: of the blob, what is seen from one side
 };
-constexpr int kSolidCount = 18;
+constexpr int kSolidCount = 20;
 
 /// `drawn` in [0, 1) says how thick the solids of a drawn thickness are, from thin to thick.
 Solid solid_of(SolidKind kind, double drawn);
