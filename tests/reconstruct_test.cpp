@@ -124,19 +124,19 @@ TEST(Reconstruct, ASheetHasOneSide) {
 TEST(Reconstruct, ShadowsAreNoTunnels) {
   for (const bool is_oblique : {false, true}) {
     SCOPED_TRACE(is_oblique);
-    const std::vector<Vec3> points = make_town({false, false, is_oblique}, 1).points;
+    const std::vector<Vec3> points = make_town({false, false, is_oblique, 3}, 1).points;
     const Reconstruction town = reconstruct_silently(points);
     EXPECT_EQ(town.report.genus, 0);
-    EXPECT_EQ(town.report.components, is_oblique ? 1 : 26);  // roofs without walls are in the air
+    EXPECT_EQ(town.report.components, is_oblique ? 1 : 10);  // roofs without walls are in the air
     EXPECT_EQ(town.report.self_intersecting_faces, 0);
     EXPECT_EQ(town.report.samples_matched, static_cast<Index>(points.size()));
     // A closed mesh of the samples of one roof, which is flat, encloses nothing.
-    EXPECT_LT(town.report.vertices_extra, is_oblique ? 6 : 30);
+    EXPECT_LT(town.report.vertices_extra, is_oblique ? 6 : 14);
 
     // Shadows are spanned, the outline stays a border.
     ReconstructionOptions automatic;
     automatic.complete_matching.openings = CompleteMatchingOptions::Openings::automatic;
-    EXPECT_LE(reconstruct_silently(points, automatic).report.border_loops, 2);
+    EXPECT_LT(reconstruct_silently(points, automatic).report.border_loops, 5);
 
     ReconstructionOptions as_of_bodies;
     as_of_bodies.initial_mesh.level_of_sheets = as_of_bodies.initial_mesh.level;

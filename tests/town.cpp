@@ -7,8 +7,9 @@
 namespace shrinkwrap::testing {
 
 Town make_town(const TownOptions& options, unsigned seed) {
-  constexpr int kWidth = 100, kBlock = 20;
+  constexpr int kBlock = 20;
   constexpr double kHouse = 5.0, kHeight = 6.0, kTree = 3.0;
+  const int width = options.blocks * kBlock;
   Random random(seed);
   const auto jitter = [&] { return random.uniform(-0.3, 0.3); };
   const auto from_centre = [](double x) { return std::fmod(x, kBlock) - 0.5 * kBlock; };
@@ -17,8 +18,8 @@ Town make_town(const TownOptions& options, unsigned seed) {
     town.points.push_back(point);
     town.outward.push_back(normal);
   };
-  for (int i = 0; i < kWidth; ++i)
-    for (int j = 0; j < kWidth; ++j) {
+  for (int i = 0; i < width; ++i)
+    for (int j = 0; j < width; ++j) {
       const double x = i + jitter(), y = j + jitter();
       const double along = from_centre(x), across = std::abs(from_centre(y));
       const bool is_roof = std::abs(along) < kHouse && across < kHouse;
@@ -26,8 +27,8 @@ Town make_town(const TownOptions& options, unsigned seed) {
       if (options.is_oblique && is_beyond) continue;
       add({x, y, is_roof ? kHeight : 0.0}, Vec3::UnitZ());
     }
-  for (int x = kBlock / 2; x < kWidth; x += kBlock)
-    for (int y = kBlock / 2; y < kWidth; y += kBlock) {
+  for (int x = kBlock / 2; x < width; x += kBlock)
+    for (int y = kBlock / 2; y < width; y += kBlock) {
       for (int i = 0; i < 4; ++i) {
         const Vec3 out = (i % 2 ? 1.0 : -1.0) * (i / 2 ? Vec3::UnitX() : Vec3::UnitY());
         if (!options.has_walls && !(options.is_oblique && out.x() < 0.0)) continue;
