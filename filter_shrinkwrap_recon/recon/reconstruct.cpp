@@ -8,6 +8,7 @@
 #include "bodies.h"
 #include "bounding_box_start.h"
 #include "detail.h"
+#include "draw_in.h"
 #include "finish_matching.h"
 #include "freed_memory.h"
 #include "memory_estimate.h"
@@ -401,6 +402,9 @@ OptimisedMesh optimise_matching(CompleteMatching& matching, const PointCloud& cl
                                           options.intersection_repair, result.openings, progress);
     repair = std::move(finish.repair);
     result.removed_extra = finish.removed_extra;
+    if (draw_in_extra_vertices(matching, cloud.size(), cloud.frame, options.host_scalar, {},
+                               progress) > 0)
+      measure_openings(matching, cloud.spacing, result.openings);
   }
   progress.set_part(0.8, 0.85);
   const std::vector<Index>& dropped = matching.opening_faces;

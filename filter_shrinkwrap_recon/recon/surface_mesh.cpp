@@ -475,9 +475,7 @@ double signed_volume(const SurfaceMesh& mesh) {
 void round_to_host(SurfaceMesh& mesh, const Frame& frame, HostScalar scalar) {
   Progress silent;
   parallel_for_each(mesh.vertex_slots(), kGrain, silent, [&](Index v) {
-    Vec3 p = frame.to_input(mesh.position[v]);
-    if (scalar == HostScalar::single_precision) p = rounded_to_single(p);
-    mesh.position[v] = frame.to_unit(p);
+    mesh.position[v] = rounded_to_host(mesh.position[v], frame, scalar);
   });
 }
 

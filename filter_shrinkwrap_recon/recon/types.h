@@ -63,6 +63,12 @@ inline Vec3 rounded_to_single(const Vec3& p) {
   return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
 }
 
+/// A point of the unit frame as it comes back from the host.
+inline Vec3 rounded_to_host(const Vec3& p, const Frame& frame, HostScalar scalar) {
+  const Vec3 input = frame.to_input(p);
+  return frame.to_unit(scalar == HostScalar::single_precision ? rounded_to_single(input) : input);
+}
+
 /// Base of everything the library throws on purpose. `what()` names the problem and the remedy.
 class Error : public std::runtime_error {
  public:

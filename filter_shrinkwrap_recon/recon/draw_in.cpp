@@ -1,0 +1,109 @@
+#include "draw_in.h"
+
+#include <algorithm>
+
+#include "box_tree.h"
+#include "one_ring.h"
+#include "triangle_pair.h"
+
+namespace shrinkwrap {
+namespace {
+
+class DrawingIn {
+ public:
+  DrawingIn(SurfaceMesh& mesh, const std::vector<Index>& opening_faces, std::int64_t max_tests,
+            Progress& progress)
+      : mesh_(mesh),
+        opening_faces_(opening_faces),
+        boxes_(mesh.position, mesh.triangles(), progress),
+        pairs_(mesh.position),
+        tests_left_(max_tests) {}
+
+  // Moves the vertex there if none of its faces meets another then.
+  bool try_move(Index v, const Vec3& to) {
+    if (to == mesh_.position[v]) return false;
+    star_ = faces_around(mesh_, {v});
+    const Vec3 before = mesh_.position[v];
+    mesh_.position[v] = to;
+    if (star_meets()) {
+      mesh_.position[v] = before;
+      return false;
+    }
+    for (const Index f : star_) boxes_.set_box(f, boxes_.box_of(mesh_.position, mesh_.triangle(f)));
+    return true;
+  }
+
+ private:
+  // Whether faces of the star meet each other or any that stays; true if the tests do not suffice.
+  bool star_meets() {
+    const auto is_out_of_the_way = [&](Index f) {
+      return std::binary_search(star_.begin(), star_.end(), f) ||
+             std::binary_search(opening_faces_.begin(), opening_faces_.end(), f);
+    };
+    const auto meet = [&](const Triangle& a, const Triangle& b) {
+      return --tests_left_ < 0 || pairs_.meet(a, b);
+    };
+    for (const Index f : star_) {
+      const Triangle t = mesh_.triangle(f);
+      if (!(mesh_.area_vector(f).squaredNorm() > 0.0)) return true;
+      if (boxes_.any_near(mesh_.position, t, [&](Index other) {
+            return !is_out_of_the_way(other) && meet(t, mesh_.triangle(other));
+          }))
+        return true;
+    }
+    for (std::size_t i = 0; i < star_.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j)
+        if (meet(mesh_.triangle(star_[i]), mesh_.triangle(star_[j]))) return true;
+    return false;
+  }
+
+  SurfaceMesh& mesh_;
+  const std::vector<Index>& opening_faces_;
+  BoxTree boxes_;
+  TrianglePairs pairs_;
+  std::int64_t tests_left_;
+  std::vector<Index> star_;  // faces, ascending
+};
+
+// Extra vertices within what spans openings.
+std::vector<Index> spanning_vertices(const CompleteMatching& matching, Index samples) {
+  const SurfaceMesh& mesh = matching.mesh;
+  std::vector<Index> vertices;
+  for (Index v = samples; v < mesh.vertex_slots(); ++v) {
+    const std::vector<Index> star = faces_around(mesh, {v});
+    if (std::includes(matching.spanning_faces.begin(), matching.spanning_faces.end(), star.begin(),
+                      star.end()))
+      vertices.push_back(v);
+  }
+  return vertices;
+}
+
+}  // namespace
+
+Index draw_in_extra_vertices(CompleteMatching& matching, Index samples, const Frame& frame,
+                             HostScalar scalar, const DrawingInOptions& options,
+                             Progress& progress) {
+  if (matching.spanning_faces.empty()) return 0;
+  SurfaceMesh& mesh = matching.mesh;
+  const std::vector<Index> vertices = spanning_vertices(matching, samples);
+  if (vertices.empty()) return 0;
+  const std::int64_t tests =
+      options.max_tests > 0 ? options.max_tests : 2000000 + 20 * std::int64_t{mesh.face_count()};
+  DrawingIn drawing(mesh, matching.opening_faces, tests, progress);
+  std::vector<char> has_moved(vertices.size(), 0);
+  for (int round = 0; round < options.rounds; ++round)
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      progress.update(0.0);
+      const Index v = vertices[i];
+      const Vec3 whole = gather_one_ring(mesh, v).laplacian();
+      bool is_done = false;
+      double step = options.step;
+      for (int halving = 0; halving <= options.halvings && !is_done; ++halving, step *= 0.5)
+        is_done =
+            drawing.try_move(v, rounded_to_host(mesh.position[v] + step * whole, frame, scalar));
+      if (is_done) has_moved[i] = 1;
+    }
+  return static_cast<Index>(std::count(has_moved.begin(), has_moved.end(), 1));
+}
+
+}  // namespace shrinkwrap
