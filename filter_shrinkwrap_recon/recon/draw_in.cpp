@@ -9,6 +9,8 @@
 namespace shrinkwrap {
 namespace {
 
+constexpr std::int64_t kTestsOfSearch = 8;  // as many a face counts that is looked for in the tree
+
 class DrawingIn {
  public:
   DrawingIn(SurfaceMesh& mesh, const std::vector<Index>& opening_faces, std::int64_t max_tests,
@@ -18,6 +20,8 @@ class DrawingIn {
         boxes_(mesh.position, mesh.triangles(), progress),
         pairs_(mesh.position),
         tests_left_(max_tests) {}
+
+  bool has_tests_left() const { return tests_left_ > 0; }
 
   // Moves the vertex there if none of its faces meets another then.
   bool try_move(Index v, const Vec3& to) {
@@ -45,6 +49,8 @@ class DrawingIn {
     };
     for (const Index f : star_) {
       const Triangle t = mesh_.triangle(f);
+      tests_left_ -= kTestsOfSearch;
+      if (!has_tests_left()) return true;
       if (!(mesh_.area_vector(f).squaredNorm() > 0.0)) return true;
       if (boxes_.any_near(mesh_.position, t, [&](Index other) {
             return !is_out_of_the_way(other) && meet(t, mesh_.triangle(other));
@@ -94,6 +100,7 @@ Index draw_in_extra_vertices(CompleteMatching& matching, Index samples, const Fr
   for (int round = 0; round < options.rounds; ++round)
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       progress.update(0.0);
+      if (!drawing.has_tests_left()) break;
       const Index v = vertices[i];
       const Vec3 whole = gather_one_ring(mesh, v).laplacian();
       bool is_done = false;

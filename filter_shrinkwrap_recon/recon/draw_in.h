@@ -11,7 +11,8 @@ struct DrawingInOptions {
   int rounds = 6;     ///< of one move for each vertex
   double step = 0.5;  ///< part of the way to the mean of the neighbours; if that cuts ...
   int halvings = 3;   ///< ... it is halved, so often at most
-  /// Bounds the time: tests of pairs of triangles. 0: two million, and 20 for each face.
+  /// Bounds the time: tests of pairs of triangles; a face looked for in the tree counts as eight.
+  /// 0: two million, and 20 for each face.
   std::int64_t max_tests = 0;
 };
 
