@@ -104,6 +104,17 @@ void tell_of_noise(double noise, const DenoisingReport& denoising,
         "surface (StopAtParametricSurface) for a smooth one near them.");
 }
 
+void tell_of_sheet(const OrientationReport& report, const ReconstructionOptions& options,
+                   FilterOutcome& outcome) {
+  constexpr double kMostlySheet = 0.5;
+  if (report.closedness >= kMostlySheet || !is_robust(options) ||
+      options.complete_matching.openings != CompleteMatchingOptions::Openings::close)
+    return;
+  outcome.log.push_back(
+      "the cloud is an open sheet, such as terrain or one view: with automatic openings (Openings) "
+      "its shadows are closed, and its outline is not");
+}
+
 std::string dense_parts_line(const InitialMeshReport& report) {
   return count_of(report.refined_parts, "part") +
          " with voxels of half the size, where samples are dense";

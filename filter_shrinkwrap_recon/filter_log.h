@@ -45,6 +45,9 @@ void warn_of_subdivision(const ParametricSurfaceReport& report, Index samples,
 /// How noisy the samples are, what was done about it, and what would suit them better.
 void tell_of_noise(double noise, const DenoisingReport& denoising,
                    const ReconstructionOptions& options, FilterOutcome& outcome);
+/// Which choice for openings suits an open sheet, where all were closed.
+void tell_of_sheet(const OrientationReport& report, const ReconstructionOptions& options,
+                   FilterOutcome& outcome);
 /// What came of second attempts, if any were made.
 void tell_of_attempts(const Reconstruction& result, FilterOutcome& outcome);
 /// If the surface was made again because it had lost detail, with which control mesh.

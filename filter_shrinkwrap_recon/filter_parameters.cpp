@@ -141,7 +141,8 @@ Parameter openings() {
       "rims), and the mesh is watertight. Their face quality tells these faces from others: "
       "the longest edge in sample spacings, 0 elsewhere.<br><b>Leave open</b> takes "
       "these faces away, and the mesh has a border there.<br><b>Automatic</b> spans "
-      "openings up to a width, see below, and leaves wider ones open.");
+      "openings up to a width, see below, and leaves wider ones open: of terrain and of "
+      "scenes, shadows are closed and the outline is not.");
 }
 
 Parameter widest_opening() {

@@ -114,6 +114,7 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   outcome.figures = figures_of(result.report);
   outcome.log.push_back(conditioning_line(result.conditioning, result.spacing));
   tell_of_noise(result.noise, result.denoising, request.options, outcome);
+  tell_of_sheet(result.orientation, request.options, outcome);
   double total = 0.0;
   for (const StageRecord& stage : result.stages) {
     outcome.log.push_back(table_row(stage.name, stage.vertices, stage.seconds));

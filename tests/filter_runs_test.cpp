@@ -250,6 +250,18 @@ TEST(FilterRuns, ChainOverASheetGivesTheBytesOfTheOneShot) {
   }
 }
 
+TEST(FilterRuns, WhatSuitsAnOpenSheetIsTold) {
+  FilterInput strip, torus;
+  strip.points = in_single_precision(sample_strip(600, 10, 4));
+  torus.points = in_single_precision(sample_shape(ShapeKind::torus, 1000, 3));
+  const std::string told = "with automatic openings";
+  EXPECT_TRUE(is_told(run(Filter::reconstruct, strip), told));
+  EXPECT_TRUE(is_told(run(Filter::reconstruct, strip, {{"StopAtParametricSurface", 1}}), told));
+  EXPECT_FALSE(is_told(run(Filter::reconstruct, strip, {{"Openings", 2}}), told));
+  EXPECT_FALSE(is_told(run(Filter::reconstruct, strip, {{"Method", 1}}), told));
+  EXPECT_FALSE(is_told(run(Filter::reconstruct, torus), told));
+}
+
 TEST(FilterRuns, NoiseAndWhatWasSmoothedAreTold) {
   SampleDefects defects;
   defects.noise = 0.6;
