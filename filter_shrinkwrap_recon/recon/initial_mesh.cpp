@@ -196,8 +196,10 @@ InitialMesh boundary_with_more_bodies(InitialMesh first, const PointCloud& cloud
   return second;
 }
 
-InitialMesh most_plausible_boundary(const PointCloud& cloud, const InitialMeshOptions& options,
+InitialMesh most_plausible_boundary(const PointCloud& cloud, InitialMeshOptions options,
                                     Progress& progress) {
+  options.level -=
+      (1.0 - cloud.closedness) * std::max(options.level - options.level_of_sheets, 0.0);
   progress.set_range(0.0, 0.0);
   const WindingNumber winding(cloud, progress);
   InitialMesh mesh = solid_boundary(cloud, winding, options, progress);

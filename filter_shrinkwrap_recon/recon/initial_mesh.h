@@ -19,7 +19,8 @@ struct InitialMeshOptions {
   double voxel_size = 1.75;  ///< x s
   double level =
       0.4;  ///< solid where the field exceeds it (0.5 makes false handles, 0.3 suits half scans)
-  /// The same of open sheets, if it is lower (see orient_and_smooth). The winding number is a half
+  /// The same of open sheets, if it is lower; the less closed the cloud is
+  /// (PointCloud::closedness), the nearer the level comes to this one. The winding number is a half
   /// just behind a sheet and falls from there, and is less behind its holes: the solid of a higher
   /// level is a thin slab, and shadows are holes through it.
   double level_of_sheets = 0.25;

@@ -253,8 +253,9 @@ class ComponentSigns {
   std::vector<Index> first_;
 };
 
-// See OrientationReport::closedness. What closes on itself has normals all around, be it sampled so
-// sparsely that views see through it.
+// See PointCloud::closedness. What closes on itself has normals all around, be it sampled so
+// sparsely that views see through it: a sheet is what has a mean normal of twice the least that
+// sheets have, and less so what has a shorter one.
 double closedness_of(const PointCloud& cloud, const SampleVotes& votes) {
   VisibilityVote on_all;
   for (const VisibilityVote& vote : votes.votes) on_all.add(vote);
@@ -321,7 +322,7 @@ OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& op
     if (flip[forest.component_of_sample[i]]) cloud.normal[i] = -cloud.normal[i];
   });
 
-  report.closedness = closedness_of(cloud, votes);
+  report.closedness = cloud.closedness = closedness_of(cloud, votes);
 
   progress.set_range(0.85, 1.0);
   cloud.plane.resize(cloud.position.size());

@@ -30,9 +30,7 @@ struct OrientationReport {
   Index enclosed_components =
       0;  ///< nobody sees them from outside: walls of cavities, and the like
   Index undecided_components = 0;  ///< seen as much from one side as from the other: open sheets
-  /// Of the whole cloud: 0 of an open sheet, such as the ground with what stands on it, most of
-  /// which is seen from both sides (VisibilityVote::trust) and faces one way, 1 of bodies.
-  double closedness = 1.0;
+  double closedness = 1.0;         ///< of the whole cloud: PointCloud::closedness
 };
 
 /// Gives the normals of the cloud a consistent outward sign: along the spanning tree of the surest

@@ -59,6 +59,9 @@ class PointCloud {
   std::vector<float> deviation;  ///< of the k neighbours from their plane, root mean square
   std::vector<TangentPlane>
       plane;  ///< after `orient_normals`: Gaussian mean of the compatible neighbours
+  /// After `orient_normals`: 0 of an open sheet, such as the ground with what stands on it, most of
+  /// which is seen from both sides (VisibilityVote::trust) and faces one way, 1 of bodies.
+  double closedness = 1.0;
   /// After `denoise`, of each sample: its index before. Empty where samples are where the caller
   /// had them.
   std::vector<Index> index_before;

@@ -32,12 +32,6 @@ bool are_of_single_precision(const std::vector<Vec3>& points) {
                      [](const Vec3& p) { return !p.allFinite() || rounded_to_single(p) == p; });
 }
 
-// Between that of sheets, if it is lower, and that of bodies.
-double level_of(const InitialMeshOptions& options, double closedness) {
-  return options.level -
-         (1.0 - closedness) * std::max(options.level - options.level_of_sheets, 0.0);
-}
-
 // Measures and orients the normals of a noisy cloud anew over wider neighbourhoods, moves its
 // samples onto the surface that they scatter about, and enlarges the voxels, the more so the
 // noisier the samples are.
@@ -296,7 +290,6 @@ CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
   report.orientation = orient_normals(cloud, options.orientation, progress);
   if (may_smooth) progress.set_part(0.15, 0.2);
   report.noise = estimate_noise(cloud, options.noise, progress);
-  options.initial_mesh.level = level_of(options.initial_mesh, report.orientation.closedness);
   if (report.noise.median > options.noise.high) {
     options.initial_mesh.dense_spacing = 0.0;
     if (options.initial_mesh.second_voxel_ratio > 0.0)

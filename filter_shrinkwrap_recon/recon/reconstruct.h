@@ -138,9 +138,8 @@ struct CloudReport {
   DenoisingReport denoising;  ///< none moved if they are left as they are
 };
 
-/// Orients the normals and estimates the noise. The less closed the cloud is, the nearer the level
-/// of the solid comes to that of sheets. Above `options.noise.high` handles are to be refuted by
-/// larger voxels, and no voxels are smaller. If the run stops at the parametric surface,
+/// Orients the normals and estimates the noise. Above `options.noise.high` handles are to be
+/// refuted by larger voxels, and no voxels are smaller. If the run stops at the parametric surface,
 /// and there is enough noise (DenoisingOptions), then the samples are moved onto the
 /// surface that they scatter about, with normals of neighbourhoods that are the wider the noisier
 /// the samples are, and `options` of the later stages are changed to suit (larger voxels; see
