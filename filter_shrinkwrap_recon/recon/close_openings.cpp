@@ -9,6 +9,7 @@
 #include "box_tree.h"
 #include "collapse_rating.h"
 #include "delaunay_flips.h"
+#include "fresh_faces.h"
 #include "sort_unique.h"
 #include "triangle_geometry.h"
 #include "triangle_pair.h"
@@ -22,7 +23,6 @@ constexpr int kStalls = 3;        // rounds without a removal, edges flipped aft
 
 constexpr std::int64_t kLeastTests = 2000000;
 constexpr std::int64_t kTestsPerFace = 200;
-constexpr std::int64_t kTestsOfSearch = 8;  // what a search of the tree counts as
 constexpr std::int64_t kPollInterval = 1 << 12;
 
 // Where faces have changed, and when: a coarse grid over a box, each cell with the time of its last
@@ -356,35 +356,15 @@ class OpeningCloser {
   // Whether the fresh faces meet each other, unless that is known not to be, or any that stays but
   // those that they replace. True also if the tests do not suffice to find out.
   bool fresh_cuts(bool are_apart) {
-    for (const Triangle& t : fresh_)
-      if (is_degenerate(t)) return true;
-    const auto is_replaced = [&](Index f) {
+    const auto is_gone = [&](Index f) {
       return mesh_.is_removed_face(f) || is_open_[f] ||
              std::find(replaced_.begin(), replaced_.end(), f) != replaced_.end();
     };
-    for (const Triangle& t : fresh_) {
-      count_tests(kTestsOfSearch);
-      if (!has_tests_left()) return true;
-      if (boxes_.any_near(mesh_.position, t, [&](Index f) {
-            if (is_replaced(f)) return false;
-            count_tests(1);
-            return pairs_.meet(t, mesh_.triangle(f));
-          }))
-        return true;
-    }
-    if (are_apart) return false;
-    for (std::size_t i = 0; i < fresh_.size(); ++i) {
-      count_tests(static_cast<std::int64_t>(i));
-      if (!has_tests_left()) return true;
-      for (std::size_t j = 0; j < i; ++j)
-        if (pairs_.meet(fresh_[i], fresh_[j])) return true;
-    }
-    return false;
-  }
-
-  bool is_degenerate(const Triangle& t) const {
-    const Vec3 &a = mesh_.position[t[0]], &b = mesh_.position[t[1]], &c = mesh_.position[t[2]];
-    return !((b - a).cross(c - a).squaredNorm() > 0.0);
+    return fresh_faces_cut(mesh_, boxes_, pairs_, fresh_, are_apart, is_gone,
+                           [&](std::int64_t tests) {
+                             count_tests(tests);
+                             return has_tests_left();
+                           });
   }
 
   void collapse(Index halfedge) {

@@ -2,14 +2,11 @@
 
 #include <algorithm>
 
-#include "box_tree.h"
+#include "fresh_faces.h"
 #include "one_ring.h"
-#include "triangle_pair.h"
 
 namespace shrinkwrap {
 namespace {
-
-constexpr std::int64_t kTestsOfSearch = 8;  // as many a face counts that is looked for in the tree
 
 class DrawingIn {
  public:
@@ -23,13 +20,13 @@ class DrawingIn {
 
   bool has_tests_left() const { return tests_left_ > 0; }
 
-  // Moves the vertex there if none of its faces meets another then.
+  // Moves the vertex there if none of its faces cuts another then.
   bool try_move(Index v, const Vec3& to) {
     if (to == mesh_.position[v]) return false;
     star_ = faces_around(mesh_, {v});
     const Vec3 before = mesh_.position[v];
     mesh_.position[v] = to;
-    if (star_meets()) {
+    if (star_cuts()) {
       mesh_.position[v] = before;
       return false;
     }
@@ -39,28 +36,17 @@ class DrawingIn {
 
  private:
   // Whether faces of the star meet each other or any that stays; true if the tests do not suffice.
-  bool star_meets() {
-    const auto is_out_of_the_way = [&](Index f) {
+  bool star_cuts() {
+    fresh_.clear();
+    for (const Index f : star_) fresh_.push_back(mesh_.triangle(f));
+    const auto is_gone = [&](Index f) {
       return std::binary_search(star_.begin(), star_.end(), f) ||
              std::binary_search(opening_faces_.begin(), opening_faces_.end(), f);
     };
-    const auto meet = [&](const Triangle& a, const Triangle& b) {
-      return --tests_left_ < 0 || pairs_.meet(a, b);
-    };
-    for (const Index f : star_) {
-      const Triangle t = mesh_.triangle(f);
-      tests_left_ -= kTestsOfSearch;
-      if (!has_tests_left()) return true;
-      if (!(mesh_.area_vector(f).squaredNorm() > 0.0)) return true;
-      if (boxes_.any_near(mesh_.position, t, [&](Index other) {
-            return !is_out_of_the_way(other) && meet(t, mesh_.triangle(other));
-          }))
-        return true;
-    }
-    for (std::size_t i = 0; i < star_.size(); ++i)
-      for (std::size_t j = 0; j < i; ++j)
-        if (meet(mesh_.triangle(star_[i]), mesh_.triangle(star_[j]))) return true;
-    return false;
+    return fresh_faces_cut(mesh_, boxes_, pairs_, fresh_, false, is_gone, [&](std::int64_t tests) {
+      tests_left_ -= tests;
+      return has_tests_left();
+    });
   }
 
   SurfaceMesh& mesh_;
@@ -68,7 +54,8 @@ class DrawingIn {
   BoxTree boxes_;
   TrianglePairs pairs_;
   std::int64_t tests_left_;
-  std::vector<Index> star_;  // faces, ascending
+  std::vector<Index> star_;      // faces, ascending
+  std::vector<Triangle> fresh_;  // their corners
 };
 
 // Extra vertices within what spans openings.

@@ -8,7 +8,6 @@
 #include "bodies.h"
 #include "bounding_box_start.h"
 #include "detail.h"
-#include "draw_in.h"
 #include "finish_matching.h"
 #include "freed_memory.h"
 #include "memory_estimate.h"
@@ -391,13 +390,10 @@ OptimisedMesh optimise_matching(CompleteMatching& matching, const PointCloud& cl
   progress.set_part(0.5, 0.8);
   RepairReport& repair = result.intersection_repair;
   if (options.intersection_repair.enabled) {
-    FinishReport finish = finish_matching(matching, cloud.size(), cloud.spacing,
+    FinishReport finish = finish_matching(matching, cloud, options.host_scalar,
                                           options.intersection_repair, result.openings, progress);
     repair = std::move(finish.repair);
     result.removed_extra = finish.removed_extra;
-    if (draw_in_extra_vertices(matching, cloud.size(), cloud.frame, options.host_scalar, {},
-                               progress) > 0)
-      measure_openings(matching, cloud.spacing, result.openings);
   }
   progress.set_part(0.8, 0.85);
   const std::vector<Index>& dropped = matching.opening_faces;

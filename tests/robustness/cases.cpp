@@ -152,8 +152,9 @@ double widest_spacing(const Case& generated, double mean_spacing, double kept) {
 
 bool is_resolved(const Case& generated, const Solid& solid, Index samples, double mean_spacing,
                  double widest, double rounding) {
-  const bool misses_faces = generated.sampling == Sampling::scan_lines && solid.has_level_faces;
-  if (misses_faces || generated.outliers > 0.0 || samples < kFewestSamples) return false;
+  const bool misses_parts =
+      generated.sampling == Sampling::scan_lines && (solid.has_level_faces || solid.has_limbs);
+  if (misses_parts || generated.outliers > 0.0 || samples < kFewestSamples) return false;
   const bool even =
       generated.sampling == Sampling::blue_noise || generated.sampling == Sampling::grid;
   const double displacement = generated.noise + 0.3 * generated.quantum + rounding / mean_spacing;

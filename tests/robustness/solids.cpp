@@ -101,6 +101,7 @@ Solid seen_from(const Vec3& direction, Solid solid) {
   const testing::ImplicitFunction implicit = solid.implicit;
   const testing::SamplingDomain all = solid.domain;
   solid.closed = false;
+  solid.has_limbs = true;
   solid.domain.keep = [=](const Vec3& p) {
     constexpr double kStep = 0.01;
     if (all.keep && !all.keep(p)) return false;
@@ -189,9 +190,7 @@ Solid solid_of(SolidKind kind, double drawn) {
     case SolidKind::one_view:
       break;
   }
-  // What is seen beyond a limb may be the end of one scan line.
-  Solid view = seen_from(Vec3(0.3, -1.0, 0.5).normalized(),
-                         with_level_faces(of_unit_tests(ShapeKind::blob, 0.5)));
+  Solid view = seen_from(Vec3(0.3, -1.0, 0.5).normalized(), of_unit_tests(ShapeKind::blob, 0.5));
   view.name = "one_view";
   return view;
 }

@@ -16,7 +16,8 @@ struct Solid {
   int components = 1;
   bool closed = true;
   bool has_level_faces = false;  ///< faces z = const, between which scan lines pass
-  double least_feature = 1.0;    ///< thinnest wall, gap or hole
+  bool has_limbs = false;  ///< seen from one side; beyond a limb a scan line may show its end alone
+  double least_feature = 1.0;  ///< thinnest wall, gap or hole
   double radius = 1.0;
   testing::ImplicitFunction implicit;
   testing::SamplingDomain domain;
