@@ -22,7 +22,7 @@ add_compile_options(-ffp-contract=off)
 
 if(SHRINKWRAP_SANITIZE)
   # With the assertions of Eigen and of the standard library, which look at every index. Lines, but no variables: full
-  # debug information is half of the time that it takes to compile.
+  # debug information is a third of the time that it takes to compile.
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer -g1 -O1 -UNDEBUG)
   add_compile_definitions(_GLIBCXX_ASSERTIONS)
   add_link_options(-fsanitize=address,undefined)
