@@ -98,6 +98,45 @@ TEST(NeighbourGraph, TakesTheSidesOfAPlateForNoNoise) {
   EXPECT_LT(NeighbourGraph(plate, 10, silent).noise(), 0.25 * kThickness);
 }
 
+// Of the edges more upright than level, how many do not take their ends for opposite sides.
+double share_of_level_sides(const PointCloud& cloud, const NeighbourGraph& graph) {
+  double upright = 0.0, same = 0.0;
+  for (Index a = 0; a < cloud.size(); ++a)
+    graph.for_each_edge_of(a, [&](Index b) {
+      const Vec3 d = (cloud.position[a] - cloud.position[b]).normalized();
+      const Vec3f &n = cloud.normal[a], &m = cloud.normal[b];
+      if (std::abs(d.z()) < 0.8 || std::abs(n.z()) < 0.9f || std::abs(m.z()) < 0.9f) return;
+      ++upright;
+      same += (graph.agreement(a, b) > 0.0f) == (n.dot(m) > 0.0f);
+    });
+  EXPECT_GT(upright, 20.0);
+  return same / upright;
+}
+
+// Blocks that stand on a plane, their walls unseen; and two planes as far apart.
+TEST(NeighbourGraph, TellsStepsFromPlates) {
+  constexpr double kHeight = 2.0;
+  Random random(5);
+  std::vector<Vec3> blocks, plate;
+  for (int x = 0; x < 60; ++x)
+    for (int y = 0; y < 60; ++y) {
+      const bool is_top = x / 6 % 2 == 1 && y / 6 % 2 == 1;
+      const double at_x = x + random.uniform(-0.3, 0.3), at_y = y + random.uniform(-0.3, 0.3);
+      blocks.emplace_back(at_x, at_y, is_top ? kHeight : 0.0);
+      for (const double z : {0.0, kHeight})
+        plate.emplace_back(60.0 * random.uniform(), 60.0 * random.uniform(), z);
+    }
+  Progress silent;
+  const PointCloud steps = prepare_samples(blocks, SampleOptions(), silent);
+  const NeighbourGraph of_steps(steps, 10, silent);
+  EXPECT_TRUE(of_steps.has_steps());
+  EXPECT_GT(share_of_level_sides(steps, of_steps), 0.9);
+  const PointCloud sides = prepare_samples(plate, SampleOptions(), silent);
+  const NeighbourGraph of_plate(sides, 10, silent);
+  EXPECT_FALSE(of_plate.has_steps());
+  EXPECT_LT(share_of_level_sides(sides, of_plate), 0.1);
+}
+
 TEST(NeighbourGraph, GivesEachEdgeOnce) {
   Progress silent;
   const PointCloud cloud =

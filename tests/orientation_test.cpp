@@ -22,6 +22,7 @@ using testing::Shape;
 using testing::shape_of;
 using testing::ShapeKind;
 using testing::Town;
+using testing::TownOptions;
 
 PointCloud prepare(const std::vector<Vec3>& points) {
   Progress silent;
@@ -251,6 +252,20 @@ TEST(Orientation, GroundFacesUpwardsUnderWhatStandsOnIt) {
         orient(cloud);
         EXPECT_LT(count_wrong(cloud, town.outward), 0.02 * cloud.size());
       }
+}
+
+// Their corners are near enough to the ground to be its neighbours, and the views tell nothing.
+TEST(Orientation, LowRoofsWithoutWallsFaceUpwards) {
+  for (const double height : {1.6, 2.0, 2.5})
+    for (unsigned seed = 1; seed <= 3; ++seed) {
+      SCOPED_TRACE(std::to_string(height) + " " + std::to_string(seed));
+      TownOptions low;
+      low.height = height;
+      const Town town = make_town(low, seed);
+      PointCloud cloud = prepare(town.points);
+      orient(cloud);
+      EXPECT_LT(count_wrong(cloud, town.outward), 0.01 * cloud.size());
+    }
 }
 
 // Roofs tell, whose inner sides can hardly be seen; the ground does not.

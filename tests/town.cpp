@@ -8,7 +8,8 @@ namespace shrinkwrap::testing {
 
 Town make_town(const TownOptions& options, unsigned seed) {
   constexpr int kBlock = 20;
-  constexpr double kHouse = 5.0, kHeight = 6.0, kTree = 3.0;
+  constexpr double kHouse = 5.0, kTree = 3.0;
+  const double height = options.height;
   const int width = options.blocks * kBlock;
   Random random(seed);
   const auto jitter = [&] { return random.uniform(-0.3, 0.3); };
@@ -23,9 +24,9 @@ Town make_town(const TownOptions& options, unsigned seed) {
       const double x = i + jitter(), y = j + jitter();
       const double along = from_centre(x), across = std::abs(from_centre(y));
       const bool is_roof = std::abs(along) < kHouse && across < kHouse;
-      const bool is_beyond = along >= kHouse && along < kHouse + 0.5 * kHeight && across < kHouse;
+      const bool is_beyond = along >= kHouse && along < kHouse + 0.5 * height && across < kHouse;
       if (options.is_oblique && is_beyond) continue;
-      add({x, y, is_roof ? kHeight : 0.0}, Vec3::UnitZ());
+      add({x, y, is_roof ? height : 0.0}, Vec3::UnitZ());
     }
   for (int x = kBlock / 2; x < width; x += kBlock)
     for (int y = kBlock / 2; y < width; y += kBlock) {
@@ -34,7 +35,7 @@ Town make_town(const TownOptions& options, unsigned seed) {
         if (!options.has_walls && !(options.is_oblique && out.x() < 0.0)) continue;
         const Vec3 tangent(out.y(), out.x(), 0.0);
         for (double along = -kHouse; along < kHouse; along += 1.0)
-          for (double z = 0.5; z < kHeight; z += 1.0)
+          for (double z = 0.5; z < height; z += 1.0)
             add(Vec3(x, y, z + jitter()) + kHouse * out + (along + jitter()) * tangent, out);
       }
       for (int k = 0; options.has_trees && k < 250; ++k) {

@@ -17,10 +17,11 @@ struct TownOptions {
   /// From straight above there are roofs without walls, and holes in the ground below them. Seen
   /// obliquely, houses have one wall, and a shadow beyond the opposite one.
   bool is_oblique = false;
-  int blocks = 5;  ///< along x, and along y
+  int blocks = 5;       ///< along x, and along y
+  double height = 6.0;  ///< of the houses
 };
 
-/// A flat house, 10 wide and 6 high, in the middle of each block of flat ground, which is 20 wide;
+/// A flat house, 10 wide, in the middle of each block of flat ground, which is 20 wide;
 /// samples one apart. What stands on the ground hides its front from most views, and nothing hides
 /// its back.
 Town make_town(const TownOptions& options, unsigned seed);

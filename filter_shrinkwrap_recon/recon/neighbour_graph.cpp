@@ -9,6 +9,10 @@ constexpr Index kGrain = 1 << 10;
 constexpr Index kProbes = 1 << 16;  // samples that tell the noise, about
 // Bends of the surface look like noise as well, but not everywhere.
 constexpr double kEvenest = 0.1;
+constexpr float kLeastSlope = 0.5f;    // sine, of what leaves the sheet of a sample
+constexpr float kOpposite = -0.36f;    // product of the ways to either sheet
+constexpr double kLeastOfSteps = 0.5;  // part of the samples above each other
+constexpr int kFewestInSheet = 3;      // neighbours of a sample that tell where its sheet lies
 
 // How far the neighbours of a sample scatter along its normal, x local spacing. They may be of two
 // sheets, the sides of a plate or of a slot: so this is measured among those above their mean
@@ -53,6 +57,64 @@ float noise_of(const PointCloud& cloud, Progress& progress) {
 NeighbourGraph::NeighbourGraph(const PointCloud& cloud, int neighbours, Progress& progress)
     : cloud_(cloud),
       neighbours_(std::min(std::max(neighbours, 1), std::max(cloud.neighbour_count - 1, 0))),
-      noise_(noise_of(cloud, progress)) {}
+      noise_(noise_of(cloud, progress)),
+      has_steps_(finds_steps(progress)) {}
+
+// From the foot of one sample on the plane of another to the neighbours of this one in its sheet:
+// the mean way, x the mean of the lengths. Near 1 in length if the foot lies beyond the border of
+// the sheet; 0 if there are too few to tell.
+Vec3f NeighbourGraph::way_to_sheet(Index of, Index from) const {
+  const Vec3& origin = cloud_.position[of];
+  const Vec3f& normal = cloud_.normal[of];
+  const Vec3f offset = (cloud_.position[from] - origin).cast<float>();
+  const Vec3f foot = offset - offset.dot(normal) * normal;
+  const Index* list = cloud_.neighbours_of(of);
+  Vec3f sum = -foot;
+  float lengths = foot.norm();
+  int members = 0;
+  for (int place = 1; place < cloud_.neighbour_count; ++place) {
+    const Vec3f d = (cloud_.position[list[place]] - origin).cast<float>();
+    const float height = d.dot(normal);
+    if (std::abs(height) > kLeastSlope * d.norm() ||
+        std::abs(normal.dot(cloud_.normal[list[place]])) < kParallel)
+      continue;
+    const Vec3f way = d - height * normal - foot;
+    sum += way;
+    lengths += way.norm();
+    ++members;
+  }
+  return members < kFewestInSheet ? Vec3f(Vec3f::Zero()) : Vec3f(sum / lengths);
+}
+
+// Whether the sheets of two samples above each other lie on opposite sides of them. Those of a
+// plate lie on top of each other, also at its rim.
+bool NeighbourGraph::are_ends_of_step(Index a, Index b) const {
+  return way_to_sheet(a, b).dot(way_to_sheet(b, a)) < kOpposite;
+}
+
+bool NeighbourGraph::finds_steps(Progress& progress) const {
+  const Index stride = cloud_.size() / kProbes + 1;
+  struct Count {
+    Index steep = 0, steps = 0;
+  };
+  std::vector<Count> counts(static_cast<std::size_t>(block_count(cloud_.size(), stride)));
+  parallel_for_each(static_cast<Index>(counts.size()), kGrain, progress, [&](Index probe) {
+    const Index a = probe * stride;
+    for_each_edge_of(a, [&](Index b) {
+      const Edge edge = edge_between(a, b);
+      // Nearer ones may be noise.
+      const float spacing = 0.5f * (cloud_.local_spacing[a] + cloud_.local_spacing[b]);
+      if (edge.length <= spacing || !edge.is_steep()) return;
+      ++counts[probe].steep;
+      counts[probe].steps += are_ends_of_step(a, b);
+    });
+  });
+  Count sum;
+  for (const Count& count : counts) {
+    sum.steep += count.steep;
+    sum.steps += count.steps;
+  }
+  return sum.steps > kLeastOfSteps * sum.steep;
+}
 
 }  // namespace shrinkwrap

@@ -33,31 +33,64 @@ class NeighbourGraph {
     }
   }
 
+  /// Whether most samples that lie above each other are the ends of steps, as where terrain and
+  /// roofs are seen from above and walls are not: no sheet goes on above or below the other one.
+  bool has_steps() const { return has_steps_; }
+
   /// In [-1, 1]: the cosine between the normal of one and that of the other reflected in the plane
   /// halfway between the two samples (Xie et al. 2003). Along any arc of a circle it is 1, be it
   /// the rounded edge of a thin blade; of two sheets face to face it is -1. The cosine of the
   /// normals themselves takes both for the contrary. Noise puts neighbours above each other, too:
   /// heights are less by the noise, and the larger a part of the edge noise may be, the less sure
-  /// it is.
+  /// it is. Where there are steps, the ends of one look to the same side.
   float agreement(Index a, Index b) const {
-    const Vec3f d = (cloud_.position[a] - cloud_.position[b]).cast<float>();
-    const Vec3f &n = cloud_.normal[a], &m = cloud_.normal[b];
-    const float length = d.norm();
-    if (!(length > 0.0f)) return n.dot(m);
-    const float noise =
-        0.5f * noise_ * (cloud_.local_spacing[a] + cloud_.local_spacing[b]) / length;
-    const float along_n = d.dot(n) / length, along_m = d.dot(m) / length;
-    const auto freed = [noise](float height) {
-      return std::copysign(std::max(std::abs(height) - noise, 0.0f), height);
-    };
-    const float hidden = std::min(noise, std::max(std::abs(along_n), std::abs(along_m)));
-    return (n.dot(m) - 2.0f * freed(along_n) * freed(along_m)) * (1.0f - hidden);
+    const Edge edge = edge_between(a, b);
+    if (!(edge.length > 0.0f)) return edge.cosine;
+    const bool is_step = has_steps_ && edge.is_steep() && are_ends_of_step(a, b);
+    const float heights = is_step ? 0.0f : edge.heights;
+    return (edge.cosine - heights) * (1.0f - edge.hidden);
   }
 
  private:
+  struct Edge {
+    float length = 0.0f;
+    float cosine = 1.0f;   // of the normals
+    float heights = 0.0f;  // twice the product of the heights over both planes, x length
+    float hidden = 0.0f;   // part of it that noise may be
+
+    // More upright than level, between planes that are nearly parallel.
+    bool is_steep() const {
+      return std::abs(heights) > 1.0f && heights * cosine > kParallel * std::abs(heights);
+    }
+  };
+
+  Edge edge_between(Index a, Index b) const {
+    const Vec3f d = (cloud_.position[a] - cloud_.position[b]).cast<float>();
+    const Vec3f &n = cloud_.normal[a], &m = cloud_.normal[b];
+    Edge edge;
+    edge.length = d.norm();
+    edge.cosine = n.dot(m);
+    if (!(edge.length > 0.0f)) return edge;
+    const float noise =
+        0.5f * noise_ * (cloud_.local_spacing[a] + cloud_.local_spacing[b]) / edge.length;
+    const float along_n = d.dot(n) / edge.length, along_m = d.dot(m) / edge.length;
+    const auto freed = [noise](float height) {
+      return std::copysign(std::max(std::abs(height) - noise, 0.0f), height);
+    };
+    edge.heights = 2.0f * freed(along_n) * freed(along_m);
+    edge.hidden = std::min(noise, std::max(std::abs(along_n), std::abs(along_m)));
+    return edge;
+  }
+  bool are_ends_of_step(Index a, Index b) const;
+  Vec3f way_to_sheet(Index of, Index from) const;
+  bool finds_steps(Progress& progress) const;
+
+  static constexpr float kParallel = 0.8f;  // cosine of normals
+
   const PointCloud& cloud_;
   int neighbours_;
   float noise_ = 0.0f;  // x local spacing
+  bool has_steps_ = false;
 };
 
 }  // namespace shrinkwrap
