@@ -38,7 +38,8 @@ struct IntersectingFaces {
 /// By CGAL, exact. Pre: manifold, no unused vertices.
 IntersectingFaces count_intersecting_faces(const ResultMesh& mesh);
 /// Whether every component has its solid on the inner side of its faces, cavities and what is in
-/// them too. By CGAL. Pre: closed, manifold, no face cuts another.
+/// them too. By CGAL. Those as thin as the rounding of coordinates, of samples in one plane, have
+/// no side. Pre: closed, manifold, no face cuts another.
 bool bounds_a_volume(const ResultMesh& mesh);
 
 }  // namespace shrinkwrap::robustness

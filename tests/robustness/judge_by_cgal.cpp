@@ -1,9 +1,14 @@
 // What CGAL says of a mesh, in a file of its own because it takes long to compile.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/connected_components.h>
+#include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/orientation.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Surface_mesh.h>
+#include <CGAL/boost/graph/copy_face_graph.h>
 
+#include <algorithm>
+#include <cmath>
 #include <set>
 #include <utility>
 #include <vector>
@@ -47,7 +52,17 @@ IntersectingFaces count_intersecting_faces(const ResultMesh& mesh) {
 }
 
 bool bounds_a_volume(const ResultMesh& mesh) {
-  return CGAL::Polygon_mesh_processing::does_bound_a_volume(to_cgal(mesh));
+  namespace processing = CGAL::Polygon_mesh_processing;
+  constexpr double kRounding = 1e-15;  // of a coordinate
+  double largest = 0.0;
+  for (const Vec3& p : mesh.position) largest = std::max(largest, p.cwiseAbs().maxCoeff());
+  std::vector<Mesh> components;
+  processing::split_connected_components(to_cgal(mesh), components);
+  Mesh thick;
+  for (const Mesh& component : components)
+    if (std::abs(processing::volume(component)) > kRounding * largest * processing::area(component))
+      CGAL::copy_face_graph(component, thick);
+  return processing::does_bound_a_volume(thick);
 }
 
 }  // namespace shrinkwrap::robustness
