@@ -146,6 +146,20 @@ TEST(Reconstruct, ShadowsAreNoTunnels) {
   }
 }
 
+// Left where the membrane below the ground was, they would be 6 and more below it.
+TEST(Reconstruct, VerticesThatCloseTheUndersideOfATownAreDrawnIn) {
+  for (const bool is_oblique : {false, true}) {
+    SCOPED_TRACE(is_oblique);
+    const Reconstruction town =
+        reconstruct_silently(make_town({false, false, is_oblique, 3}, 1).points);
+    ASSERT_GT(town.report.vertices_extra, 0);
+    for (std::size_t v = 0; v < town.mesh.position.size(); ++v)
+      if (town.mesh.input_index[v] == kNone) {
+        EXPECT_GT(town.mesh.position[v].z(), -1.0);
+      }
+  }
+}
+
 TEST(Reconstruct, ProgressGoesOnInASecondAttempt) {
   ReconstructionOptions options;
   options.complete_matching.openings = CompleteMatchingOptions::Openings::leave_open;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 
+#include "box_tree.h"
 #include "fresh_faces.h"
 #include "one_ring.h"
+#include "triangle_pair.h"
 
 namespace shrinkwrap {
 namespace {

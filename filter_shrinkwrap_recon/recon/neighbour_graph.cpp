@@ -6,9 +6,10 @@ namespace shrinkwrap {
 namespace {
 
 constexpr Index kGrain = 1 << 10;
-constexpr Index kProbes = 1 << 16;  // samples that tell the noise, about
+constexpr Index kProbes = 1 << 16;  // samples that tell the noise, and of steps, about
 // Bends of the surface look like noise as well, but not everywhere.
 constexpr double kEvenest = 0.1;
+
 constexpr float kLeastSlope = 0.5f;    // sine, of what leaves the sheet of a sample
 constexpr float kOpposite = -0.36f;    // product of the ways to either sheet
 constexpr double kLeastOfSteps = 0.5;  // part of the samples above each other

@@ -55,7 +55,7 @@ class NeighbourGraph {
   struct Edge {
     float length = 0.0f;
     float cosine = 1.0f;   // of the normals
-    float heights = 0.0f;  // twice the product of the heights over both planes, x length
+    float heights = 0.0f;  // twice the product of the heights over both planes, x squared length
     float hidden = 0.0f;   // part of it that noise may be
 
     // More upright than level, between planes that are nearly parallel.
