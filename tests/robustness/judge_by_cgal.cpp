@@ -1,7 +1,6 @@
 // What CGAL says of a mesh, in a file of its own because it takes long to compile.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/connected_components.h>
-#include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/orientation.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Surface_mesh.h>
@@ -33,6 +32,22 @@ Mesh to_cgal(const ResultMesh& mesh) {
   return surface;
 }
 
+// Whether a closed surface encloses no more than moving it by the rounding of a coordinate would.
+bool is_rounding(const Mesh& surface, double largest_coordinate) {
+  constexpr double kRounding = 1e-15;
+  const auto apex = surface.point(*surface.vertices().begin());  // the origin may be far away
+  double volume = 0.0, area = 0.0;  // six times, twice; x largest coordinate
+  for (const Face f : surface.faces()) {
+    std::vector<Kernel::Vector_3> corner;
+    for (const auto v : surface.vertices_around_face(surface.halfedge(f)))
+      corner.push_back((surface.point(v) - apex) / largest_coordinate);
+    volume += CGAL::determinant(corner[0], corner[1], corner[2]);
+    area += std::sqrt(
+        CGAL::cross_product(corner[1] - corner[0], corner[2] - corner[0]).squared_length());
+  }
+  return std::abs(volume) <= 3.0 * kRounding * area;
+}
+
 }  // namespace
 
 IntersectingFaces count_intersecting_faces(const ResultMesh& mesh) {
@@ -52,17 +67,14 @@ IntersectingFaces count_intersecting_faces(const ResultMesh& mesh) {
 }
 
 bool bounds_a_volume(const ResultMesh& mesh) {
-  namespace processing = CGAL::Polygon_mesh_processing;
-  constexpr double kRounding = 1e-15;  // of a coordinate
   double largest = 0.0;
   for (const Vec3& p : mesh.position) largest = std::max(largest, p.cwiseAbs().maxCoeff());
   std::vector<Mesh> components;
-  processing::split_connected_components(to_cgal(mesh), components);
+  CGAL::Polygon_mesh_processing::split_connected_components(to_cgal(mesh), components);
   Mesh thick;
   for (const Mesh& component : components)
-    if (std::abs(processing::volume(component)) > kRounding * largest * processing::area(component))
-      CGAL::copy_face_graph(component, thick);
-  return processing::does_bound_a_volume(thick);
+    if (!is_rounding(component, largest)) CGAL::copy_face_graph(component, thick);
+  return CGAL::Polygon_mesh_processing::does_bound_a_volume(thick);
 }
 
 }  // namespace shrinkwrap::robustness
