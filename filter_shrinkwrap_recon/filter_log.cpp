@@ -120,6 +120,13 @@ std::string dense_parts_line(const InitialMeshReport& report) {
          " with voxels of half the size, where samples are dense";
 }
 
+std::string detail_line(const InitialMeshReport& report) {
+  return formatted("%.1f", 100.0 * report.sharp) +
+         " % of the samples lie at edges, in thin parts, or where the shape turns within a few "
+         "samples: voxels of " +
+         formatted("%.2f", report.voxel_size) + " spacings for these";
+}
+
 void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings) {
   if (report.samples_with_solid_behind < 0.999)
     warnings.push_back(formatted("%.2f", 100.0 * (1.0 - report.samples_with_solid_behind)) +

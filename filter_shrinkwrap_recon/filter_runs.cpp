@@ -137,6 +137,8 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   warn_of_openings(request.options, outcome.warnings);
   warn_of_intersections(result.intersection_repair.faces_after, outcome.warnings);
   warn_of_intersections(result.relaxation.faces_after, outcome.warnings);
+  if (result.initial_mesh.is_of_detail_size)
+    outcome.log.insert(outcome.log.end() - 1, detail_line(result.initial_mesh));
   if (result.initial_mesh.refined_parts > 0)
     outcome.log.insert(outcome.log.end() - 1, dense_parts_line(result.initial_mesh));
   if (result.intersection_repair.faces_before > 0)
@@ -167,6 +169,7 @@ FilterOutcome run_initial_mesh(const FilterRequest& request, const FilterInput& 
   const PointCloud cloud = prepare_oriented(input, options, progress, outcome);
   const InitialMesh initial = make_initial_mesh(cloud, options.initial_mesh, progress);
   warn_of(initial.report, outcome.warnings);
+  if (initial.report.is_of_detail_size) outcome.log.push_back(detail_line(initial.report));
   if (initial.report.refined_parts > 0) outcome.log.push_back(dense_parts_line(initial.report));
   outcome.log.push_back(surface_verdict("initial mesh", initial.mesh));
   outcome.mesh = to_result(initial.mesh, cloud.frame, progress);

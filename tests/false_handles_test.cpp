@@ -19,7 +19,7 @@ constexpr unsigned kSeeds = 20;  // of one scene: single ones tell little
 // The initial mesh of one voxel size.
 InitialMesh initial_mesh_of(const std::vector<Vec3>& points, bool is_cut = true) {
   InitialMeshOptions options;
-  options.second_voxel_ratio = 0.0;
+  options.second_voxel_ratio = options.voxel_ratio_for_detail = 0.0;
   options.false_handles.enabled = is_cut;
   Progress silent;
   return make_initial_mesh(oriented_cloud(points), options, silent);

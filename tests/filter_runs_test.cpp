@@ -303,7 +303,7 @@ TEST(FilterRuns, OpeningsOfASurfaceAreToldAndTheChainHasThem) {
 
 TEST(FilterRuns, FalseHandlesAreToldUnlessTheyStay) {
   FilterInput input;
-  input.points = in_single_precision(sample_shape(ShapeKind::thin_plate, 700, 3));
+  input.points = in_single_precision(sample_shape(ShapeKind::thin_plate, 700, 2));
   const ParameterValues stay = {{"CutFalseHandles", 0}};
   for (const Filter filter : {Filter::reconstruct, Filter::initial_mesh}) {
     const FilterOutcome cut = run(filter, input), kept = run(filter, input, stay);

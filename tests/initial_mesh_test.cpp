@@ -199,9 +199,11 @@ TEST(InitialMesh, SmallerVoxelsPartBodiesThatAreClose) {
     if (seed % 2 == 1)
       for (Vec3& p : points) p = {0.8 * p.x() - 0.6 * p.y(), 0.6 * p.x() + 0.8 * p.y(), p.z()};
     const PointCloud cloud = oriented_cloud(points);
-    InitialMeshOptions one_size;
+    InitialMeshOptions two_sizes, one_size;
+    two_sizes.voxel_ratio_for_detail = one_size.voxel_ratio_for_detail = 0.0;
     one_size.voxel_ratio_for_bodies = 0.0;
-    const InitialMesh mesh = initial_mesh_of(cloud), without = initial_mesh_of(cloud, one_size);
+    const InitialMesh mesh = initial_mesh_of(cloud, two_sizes),
+                      without = initial_mesh_of(cloud, one_size);
     EXPECT_EQ(mesh.report.components, 8);
     EXPECT_EQ(mesh.report.genus, 0);
     EXPECT_EQ(mesh.report.bodies_parted, mesh.report.components - without.report.components);
@@ -210,6 +212,53 @@ TEST(InitialMesh, SmallerVoxelsPartBodiesThatAreClose) {
     bodies_without += without.report.components;
   }
   EXPECT_LE(bodies_without, bodies - 5) << "the cases are too easy";
+}
+
+InitialMeshOptions of_one_size() {
+  InitialMeshOptions options;
+  options.voxel_ratio_for_detail = 0.0;
+  return options;
+}
+
+TEST(InitialMesh, VoxelsAreSmallerWhereSamplesAreFewForTheShape) {
+  // Walls of 0.08: one and a half spacings.
+  Index false_handles = 0, of_large_voxels = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const PointCloud cloud = oriented_cloud(sample_shape(ShapeKind::thin_plate, 1000, seed));
+    const InitialMesh mesh = initial_mesh_of(cloud), large = initial_mesh_of(cloud, of_one_size());
+    EXPECT_GT(mesh.report.sharp, InitialMeshOptions().least_sharp);
+    EXPECT_TRUE(mesh.report.is_of_detail_size);
+    EXPECT_LT(mesh.report.voxel_size, InitialMeshOptions().voxel_size);
+    EXPECT_EQ(mesh.report.genus, 0);
+    EXPECT_FALSE(large.report.is_of_detail_size);
+    false_handles += mesh.report.false_handles;
+    of_large_voxels += large.report.false_handles;
+  }
+  EXPECT_GE(of_large_voxels, 15) << "there is little to do better: this test tests little";
+  EXPECT_LE(2 * false_handles, of_large_voxels);
+}
+
+TEST(InitialMesh, VoxelsAreNoSmallerWhereSamplesAreMany) {
+  const PointCloud cloud = oriented_cloud(sample_shape(ShapeKind::blob, 8000, 4));
+  const InitialMesh mesh = initial_mesh_of(cloud);
+  EXPECT_FALSE(mesh.report.is_of_detail_size);
+  EXPECT_LE(mesh.report.sharp, InitialMeshOptions().least_sharp);
+  expect_same_mesh(mesh.mesh, initial_mesh_of(cloud, of_one_size()).mesh);
+}
+
+TEST(InitialMesh, LargerVoxelsRefuteHandlesOfSmaller) {
+  Index refuted = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const PointCloud cloud = oriented_cloud(sample_shape(ShapeKind::thin_plate, 700, seed));
+    const InitialMesh mesh = initial_mesh_of(cloud);
+    EXPECT_EQ(mesh.report.genus, 0);
+    if (mesh.report.is_of_detail_size) continue;
+    EXPECT_GT(mesh.report.handles_refuted, 0);
+    expect_same_mesh(mesh.mesh, initial_mesh_of(cloud, of_one_size()).mesh);
+    ++refuted;
+  }
+  EXPECT_GT(refuted, 0) << "this test tests nothing";
 }
 
 }  // namespace

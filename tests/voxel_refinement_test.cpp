@@ -22,6 +22,7 @@ InitialMesh initial_mesh_of(const PointCloud& cloud, double dense_spacing) {
   Progress silent;
   InitialMeshOptions options;
   options.dense_spacing = dense_spacing;
+  options.voxel_ratio_for_detail = 0.0;
   return make_initial_mesh(cloud, options, silent);
 }
 
@@ -222,6 +223,7 @@ TEST(Reconstruction, OfNoisyCloudsHasNoSmallerVoxels) {
   const Reconstruction result = reconstruct(points, {}, silent);
   EXPECT_GT(result.noise, NoiseOptions().high);
   EXPECT_EQ(result.initial_mesh.refined_parts, 0);
+  EXPECT_FALSE(result.initial_mesh.is_of_detail_size);
 }
 
 }  // namespace

@@ -20,6 +20,9 @@ constexpr Index kGrain = 1 << 11;
 // Weight of the Laplacian where no sample holds the mesh.
 constexpr double kMembraneSmoothing = 0.5;
 constexpr double kSupportReach = 3.0;  // x size of a voxel
+// A sample is sharp if the normal of one of so many beside it makes a smaller cosine with its own.
+constexpr int kNearestSamples = 6;
+constexpr float kSharpCosine = 0.7071f;
 
 // Shrinks the mesh towards the planes of the samples of its own side, all vertices at once (eq.
 // 4-8, with the plane in place of the nearest sample, which folds the mesh in concavities).
@@ -156,11 +159,12 @@ bool has_fewer_handles(const InitialMeshReport& a, const InitialMeshReport& b) {
   return std::tie(a.genus, a.false_handles) < std::tie(b.genus, b.false_handles);
 }
 
-// The boundary that the evidence speaks for: a handle of the object is there at either voxel size,
-// one that voxels made between close sheets or through thin walls seldom is.
-InitialMesh boundary_with_fewer_handles(InitialMesh first, const PointCloud& cloud,
-                                        const WindingNumber& winding,
+// The boundary of the voxels asked for or, where it has handles, of another size if the evidence
+// speaks for that: a handle of the object is there at either size, one that voxels made between
+// close sheets or through thin walls seldom is.
+InitialMesh boundary_with_fewer_handles(const PointCloud& cloud, const WindingNumber& winding,
                                         const InitialMeshOptions& options, Progress& progress) {
+  InitialMesh first = solid_boundary(cloud, winding, options, progress);
   if ((first.report.genus == 0 && first.report.false_handles == 0) ||
       options.second_voxel_ratio <= 0.0)
     return first;
@@ -196,15 +200,49 @@ InitialMesh boundary_with_more_bodies(InitialMesh first, const PointCloud& cloud
   return second;
 }
 
+// Part of the samples that are sharp: see InitialMeshOptions::least_sharp.
+double fraction_of_sharp_samples(const PointCloud& cloud, Progress& progress) {
+  const int count = std::min(kNearestSamples + 1, cloud.neighbour_count);
+  const auto is_sharp = [&](Index i) {
+    const Index* near = cloud.neighbours_of(i);
+    return std::any_of(near + 1, near + count, [&](Index other) {
+      return cloud.normal[i].dot(cloud.normal[other]) < kSharpCosine;
+    });
+  };
+  const Index sharp =
+      parallel_sum(cloud.size(), kGrain, progress, Index{0}, [&](Index begin, Index end) {
+        Index found = 0;
+        for (Index i = begin; i < end; ++i) found += is_sharp(i);
+        return found;
+      });
+  return static_cast<double>(sharp) / cloud.size();
+}
+
 InitialMesh most_plausible_boundary(const PointCloud& cloud, InitialMeshOptions options,
                                     Progress& progress) {
   options.level -=
       (1.0 - cloud.closedness) * std::max(options.level - options.level_of_sheets, 0.0);
   progress.set_range(0.0, 0.0);
   const WindingNumber winding(cloud, progress);
-  InitialMesh mesh = solid_boundary(cloud, winding, options, progress);
-  mesh = boundary_with_fewer_handles(std::move(mesh), cloud, winding, options, progress);
-  return boundary_with_more_bodies(std::move(mesh), cloud, winding, options, progress);
+  const double sharp = fraction_of_sharp_samples(cloud, progress);
+  bool is_of_detail_size = options.voxel_ratio_for_detail > 0.0 && sharp > options.least_sharp;
+  const InitialMeshOptions larger = options;
+  if (is_of_detail_size) options.voxel_size *= options.voxel_ratio_for_detail;
+  InitialMesh mesh = boundary_with_fewer_handles(cloud, winding, options, progress);
+  if (is_of_detail_size && (mesh.report.genus > 0 || mesh.report.voxels_are_larger)) {
+    InitialMesh other = boundary_with_fewer_handles(cloud, winding, larger, progress);
+    const InitialMeshReport &a = mesh.report, &b = other.report;
+    if (a.voxels_are_larger || (b.genus < a.genus && b.components >= a.components)) {
+      other.report.handles_refuted = std::max<Index>(a.genus + a.handles_refuted - b.genus, 0);
+      mesh = std::move(other);
+      options = larger;
+      is_of_detail_size = false;
+    }
+  }
+  mesh = boundary_with_more_bodies(std::move(mesh), cloud, winding, options, progress);
+  mesh.report.sharp = sharp;
+  mesh.report.is_of_detail_size = is_of_detail_size;
+  return mesh;
 }
 
 }  // namespace

@@ -290,7 +290,7 @@ CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
   if (may_smooth) progress.set_part(0.15, 0.2);
   report.noise = estimate_noise(cloud, options.noise, progress);
   if (report.noise.median > options.noise.high) {
-    options.initial_mesh.dense_spacing = 0.0;
+    options.initial_mesh.dense_spacing = options.initial_mesh.voxel_ratio_for_detail = 0.0;
     if (options.initial_mesh.second_voxel_ratio > 0.0)
       options.initial_mesh.second_voxel_ratio = options.noise.second_voxel_ratio;
   }
