@@ -57,6 +57,7 @@ DenoisingReport smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise,
   const DenoisingReport report =
       denoise(cloud, noise.median, neighbours, options.denoising, progress);
   options.initial_mesh.voxel_size *= 1.0 + kLargerVoxels * units;
+  options.initial_mesh.voxel_ratio_for_detail = 0.0;  // noise makes samples sharp
   const double part = std::min(units, 1.0);
   const auto towards = [&](double& value, double at_one) { value += part * (at_one - value); };
   towards(options.parametric_surface.attraction, kAttraction);
