@@ -121,10 +121,10 @@ std::string dense_parts_line(const InitialMeshReport& report) {
 }
 
 std::string detail_line(const InitialMeshReport& report) {
-  return formatted("%.1f", 100.0 * report.sharp) +
+  return "voxels of " + formatted("%.2f", report.voxel_size) +
+         " spacings, smaller than usual, as " + formatted("%.1f", 100.0 * report.sharp) +
          " % of the samples lie at edges, in thin parts, or where the shape turns within a few "
-         "samples: voxels of " +
-         formatted("%.2f", report.voxel_size) + " spacings for these";
+         "samples";
 }
 
 void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings) {

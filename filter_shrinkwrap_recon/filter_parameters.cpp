@@ -208,8 +208,9 @@ std::vector<Parameter> solid_parameters() {
   return {
       neighbours(),
       advanced(number(Kind::real, kVoxelSize, "Voxel size (spacings)", 1.75, 0.75, 4.0,
-                      "Robust method: edge of the voxels of the first solid; 0.7 times as much "
-                      "where samples are few for the shape, as the log says. Lowered (1.0): parts "
+                      "Robust method: edge of the voxels of the first solid; of all of them 0.7 "
+                      "times as much if samples are few for the shape, as the log says then. "
+                      "Lowered (1.0): parts "
                       "that come close to each other are kept apart, at the price of false holes "
                       "in sparse places. Raised "
                       "(2 to 3): closes gaps of "

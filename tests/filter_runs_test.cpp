@@ -309,6 +309,7 @@ TEST(FilterRuns, FalseHandlesAreToldUnlessTheyStay) {
     const FilterOutcome cut = run(filter, input), kept = run(filter, input, stay);
     EXPECT_TRUE(is_in(cut.warnings, "that no samples bear out")) << cut.layer_suffix;
     EXPECT_FALSE(is_in(kept.warnings, "that no samples bear out")) << kept.layer_suffix;
+    EXPECT_TRUE(is_told(kept, "% of the samples lie at edges")) << kept.layer_suffix;
     EXPECT_NE(cut.mesh.triangles, kept.mesh.triangles);
   }
   expect_same_bytes(run(Filter::reconstruct, input).mesh, run_chain(input.points, {}).mesh);

@@ -191,7 +191,8 @@ TEST(Openings, LeftOpenTellTheNotchesFilled) {
   }
 }
 
-// Faces that meet around an opening keep vertices from being removed until they are parted.
+// Faces that meet around an opening keep vertices from being removed until they are parted. (Of one
+// in four other spheres one or two vertices stay.)
 TEST(Openings, OfScanLinesAreSpannedBetweenSamplesOnly) {
   for (const unsigned seed : {1u, 2u, 6u}) {
     SCOPED_TRACE("seed " + std::to_string(seed));

@@ -223,7 +223,26 @@ TEST(Reconstruction, OfNoisyCloudsHasNoSmallerVoxels) {
   const Reconstruction result = reconstruct(points, {}, silent);
   EXPECT_GT(result.noise, NoiseOptions().high);
   EXPECT_EQ(result.initial_mesh.refined_parts, 0);
-  EXPECT_FALSE(result.initial_mesh.is_of_detail_size);
+}
+
+// Noise turns normals, so that samples count as sharp.
+TEST(Reconstruction, OfNoisyCloudsHasNoVoxelsForDetail) {
+  Progress silent;
+  ReconstructionOptions options;
+  const auto initial_mesh_of_plate = [&](double noise) {
+    SampleDefects defects;
+    defects.noise = noise;
+    const Reconstruction result =
+        reconstruct(sample_shape(ShapeKind::thin_plate, 4000, 3, defects), options, silent);
+    EXPECT_FALSE(result.smoothing.is_taken);
+    EXPECT_GT(result.initial_mesh.sharp, InitialMeshOptions().least_sharp);
+    return result.initial_mesh;
+  };
+  EXPECT_TRUE(initial_mesh_of_plate(0.0).is_of_detail_size);
+  EXPECT_FALSE(initial_mesh_of_plate(0.5).is_of_detail_size);
+  options.stop_at_parametric_surface = true;
+  EXPECT_TRUE(initial_mesh_of_plate(0.0).is_of_detail_size);
+  EXPECT_FALSE(initial_mesh_of_plate(0.1).is_of_detail_size);
 }
 
 }  // namespace

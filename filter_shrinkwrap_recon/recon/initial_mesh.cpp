@@ -1,6 +1,7 @@
 #include "initial_mesh.h"
 
 #include <algorithm>
+#include <optional>
 #include <tuple>
 
 #include "bounding_box_start.h"
@@ -23,6 +24,7 @@ constexpr double kSupportReach = 3.0;  // x size of a voxel
 // A sample is sharp if the normal of one of so many beside it makes a smaller cosine with its own.
 constexpr int kNearestSamples = 6;
 constexpr float kSharpCosine = 0.7071f;
+constexpr double kLeastClosedness = 0.5;  // of clouds whose samples may be few for the shape
 
 // Shrinks the mesh towards the planes of the samples of its own side, all vertices at once (eq.
 // 4-8, with the plane in place of the nearest sample, which folds the mesh in concavities).
@@ -159,24 +161,36 @@ bool has_fewer_handles(const InitialMeshReport& a, const InitialMeshReport& b) {
   return std::tie(a.genus, a.false_handles) < std::tie(b.genus, b.false_handles);
 }
 
-// The boundary of the voxels asked for or, where it has handles, of another size if the evidence
-// speaks for that: a handle of the object is there at either size, one that voxels made between
-// close sheets or through thin walls seldom is.
-InitialMesh boundary_with_fewer_handles(const PointCloud& cloud, const WindingNumber& winding,
+// Nothing where no solid comes of it: what is only tried fails no run.
+std::optional<InitialMesh> try_boundary(const PointCloud& cloud, const WindingNumber& winding,
+                                        InitialMeshOptions options, double ratio,
+                                        Progress& progress) {
+  options.voxel_size *= ratio;
+  try {
+    return solid_boundary(cloud, winding, options, progress);
+  } catch (const ReconstructionFailed&) {
+    return std::nullopt;
+  }
+}
+
+// The boundary that the evidence speaks for: a handle of the object is there at either voxel size,
+// one that voxels made between close sheets or through thin walls seldom is.
+InitialMesh boundary_with_fewer_handles(InitialMesh first, const PointCloud& cloud,
+                                        const WindingNumber& winding,
                                         const InitialMeshOptions& options, Progress& progress) {
-  InitialMesh first = solid_boundary(cloud, winding, options, progress);
   if ((first.report.genus == 0 && first.report.false_handles == 0) ||
       options.second_voxel_ratio <= 0.0)
     return first;
-  InitialMeshOptions other = options;
-  other.voxel_size *= options.second_voxel_ratio;
-  InitialMesh second = solid_boundary(cloud, winding, other, progress);
-  if (!has_fewer_handles(second.report, first.report) ||
-      second.report.components < first.report.components ||
-      (options.second_voxel_ratio < 1.0 && second.report.cavities < first.report.cavities))
+  std::optional<InitialMesh> second =
+      try_boundary(cloud, winding, options, options.second_voxel_ratio, progress);
+  if (!second) return first;
+  const InitialMeshReport &a = first.report, &b = second->report;
+  if (!has_fewer_handles(b, a) || b.components < a.components ||
+      (b.voxels_are_larger && !a.voxels_are_larger) ||
+      (options.second_voxel_ratio < 1.0 && b.cavities < a.cavities))
     return first;
-  second.report.handles_refuted = first.report.genus - second.report.genus;
-  return second;
+  second->report.handles_refuted = a.genus - b.genus;
+  return std::move(*second);
 }
 
 // Where there are several bodies already, others may have grown together that smaller voxels tell
@@ -187,17 +201,17 @@ InitialMesh boundary_with_more_bodies(InitialMesh first, const PointCloud& cloud
   if (first.report.components < 2 || first.report.voxels_are_larger ||
       options.voxel_ratio_for_bodies <= 0.0)
     return first;
-  InitialMeshOptions other = options;
-  other.voxel_size *= options.voxel_ratio_for_bodies;
-  InitialMesh second = solid_boundary(cloud, winding, other, progress);
-  const InitialMeshReport &a = first.report, &b = second.report;
+  std::optional<InitialMesh> second =
+      try_boundary(cloud, winding, options, options.voxel_ratio_for_bodies, progress);
+  if (!second) return first;
+  const InitialMeshReport &a = first.report, &b = second->report;
   const bool is_as_sound = b.genus <= a.genus && b.false_handles <= a.false_handles &&
                            b.cavities == a.cavities && b.dropped <= a.dropped &&
                            b.samples_with_solid_behind >= a.samples_with_solid_behind;
   if (b.components <= a.components || !is_as_sound) return first;
-  second.report.handles_refuted = first.report.handles_refuted;
-  second.report.bodies_parted = b.components - a.components;
-  return second;
+  second->report.handles_refuted = first.report.handles_refuted;
+  second->report.bodies_parted = b.components - a.components;
+  return std::move(*second);
 }
 
 // Part of the samples that are sharp: see InitialMeshOptions::least_sharp.
@@ -218,6 +232,19 @@ double fraction_of_sharp_samples(const PointCloud& cloud, Progress& progress) {
   return static_cast<double>(sharp) / cloud.size();
 }
 
+// With smaller voxels, of which `options` are to be; nothing if they are not asked for.
+std::optional<InitialMesh> boundary_of_detail(const PointCloud& cloud, const WindingNumber& winding,
+                                              InitialMeshOptions& options, double sharp,
+                                              Progress& progress) {
+  const double ratio = options.voxel_ratio_for_detail;
+  if (ratio <= 0.0 || sharp <= options.least_sharp || cloud.closedness < kLeastClosedness)
+    return std::nullopt;
+  std::optional<InitialMesh> mesh = try_boundary(cloud, winding, options, ratio, progress);
+  if (!mesh || mesh->report.voxels_are_larger) return std::nullopt;
+  options.voxel_size *= ratio;
+  return boundary_with_fewer_handles(std::move(*mesh), cloud, winding, options, progress);
+}
+
 InitialMesh most_plausible_boundary(const PointCloud& cloud, InitialMeshOptions options,
                                     Progress& progress) {
   options.level -=
@@ -225,23 +252,25 @@ InitialMesh most_plausible_boundary(const PointCloud& cloud, InitialMeshOptions 
   progress.set_range(0.0, 0.0);
   const WindingNumber winding(cloud, progress);
   const double sharp = fraction_of_sharp_samples(cloud, progress);
-  bool is_of_detail_size = options.voxel_ratio_for_detail > 0.0 && sharp > options.least_sharp;
-  const InitialMeshOptions larger = options;
-  if (is_of_detail_size) options.voxel_size *= options.voxel_ratio_for_detail;
-  InitialMesh mesh = boundary_with_fewer_handles(cloud, winding, options, progress);
-  if (is_of_detail_size && (mesh.report.genus > 0 || mesh.report.voxels_are_larger)) {
-    InitialMesh other = boundary_with_fewer_handles(cloud, winding, larger, progress);
-    const InitialMeshReport &a = mesh.report, &b = other.report;
-    if (a.voxels_are_larger || (b.genus < a.genus && b.components >= a.components)) {
-      other.report.handles_refuted = std::max<Index>(a.genus + a.handles_refuted - b.genus, 0);
-      mesh = std::move(other);
-      options = larger;
-      is_of_detail_size = false;
-    }
+  const auto of_the_size_asked_for = [&] {
+    return boundary_with_fewer_handles(solid_boundary(cloud, winding, options, progress), cloud,
+                                       winding, options, progress);
+  };
+  InitialMesh mesh;
+  InitialMeshOptions smaller = options;
+  std::optional<InitialMesh> detailed =
+      boundary_of_detail(cloud, winding, smaller, sharp, progress);
+  const Index genus = detailed ? detailed->report.genus : 0;
+  if (genus > 0) mesh = of_the_size_asked_for();
+  if (!detailed) {
+    mesh = boundary_with_more_bodies(of_the_size_asked_for(), cloud, winding, options, progress);
+  } else if (genus > mesh.report.genus && mesh.report.components >= detailed->report.components) {
+    mesh.report.handles_refuted = genus + detailed->report.handles_refuted - mesh.report.genus;
+  } else {
+    mesh = boundary_with_more_bodies(std::move(*detailed), cloud, winding, smaller, progress);
+    mesh.report.is_of_detail_size = true;
   }
-  mesh = boundary_with_more_bodies(std::move(mesh), cloud, winding, options, progress);
   mesh.report.sharp = sharp;
-  mesh.report.is_of_detail_size = is_of_detail_size;
   return mesh;
 }
 

@@ -16,7 +16,7 @@ struct InitialMeshOptions {
   Start start = Start::winding_number;
 
   // winding_number; lengths in median spacings s
-  double voxel_size = 1.75;  ///< x s, at most
+  double voxel_size = 1.75;  ///< x s; but see `voxel_ratio_for_detail`
   double level =
       0.4;  ///< solid where the field exceeds it (0.5 makes false handles, 0.3 suits half scans)
   /// The same of open sheets, if it is lower; the less closed the cloud is
@@ -42,7 +42,9 @@ struct InitialMeshOptions {
   /// x voxel size, where samples are few for the shape: where more than `least_sharp` of them are
   /// sharp, as one of the six nearest faces another way by more than 45 degrees (an edge, a wall as
   /// thin as the samples are apart, a finger of a few samples around). The larger voxels are asked
-  /// then if there are handles, and taken if they show fewer of them and no fewer bodies. 0: never.
+  /// too if there are handles, and taken if they show fewer of them and no fewer bodies. Not for
+  /// sheets (PointCloud::closedness), whose gaps are to be bridged, nor for noise, which turns
+  /// normals (`orient_and_smooth` sets this to 0). 0: never.
   double voxel_ratio_for_detail = 0.7;
   double least_sharp = 0.01;  ///< part of the samples
   Index maximum_genus = -1;   ///< handles beyond are cut (genus_limit.h); -1: as many as there are
@@ -68,14 +70,14 @@ struct InitialMeshReport {
   double samples_with_solid_behind =
       1.0;                  ///< fraction that has solid 1 to 3 s behind it: below 0.999 is suspect
   double voxel_size = 0.0;  ///< x s, of the solid that was taken; 0: none was made
-  double sharp = 0.0;       ///< part of the samples that is sharp: `least_sharp`
-  bool is_of_detail_size = false;  ///< the voxels are smaller for it
+  double sharp = 0.0;       ///< part of the samples: see `voxel_ratio_for_detail`
+  bool is_of_detail_size = false;  ///< the voxels are smaller for these
   Index refined_parts = 0;         ///< dense parts with voxels of half that
   bool voxels_are_larger = false;  ///< than asked for: see make_voxel_solid
   Index genus = 0;                 ///< of the mesh, summed over the components
   Index false_handles = 0;         ///< cut, as no samples bear them out
   Index bodies_parted = 0;         ///< by smaller voxels, that had grown together
-  Index handles_refuted = 0;       ///< left of the first solid, and not of the second
+  Index handles_refuted = 0;       ///< left of the first solid, and not of that taken
   Index handles_cut = 0;           ///< to keep to `maximum_genus`
   int levels = 0;                  ///< bounding_box only
 };

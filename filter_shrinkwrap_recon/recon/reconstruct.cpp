@@ -38,6 +38,7 @@ DenoisingReport smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise,
                                  ReconstructionOptions& options, OrientationReport& orientation,
                                  Progress& progress) {
   constexpr double kWider = 1.0, kLargerVoxels = 0.35;
+  constexpr double kSharpenedFrom = 0.04;                 // noise that makes samples count as sharp
   constexpr double kAttraction = 0.4, kRelaxation = 0.3;  // from one unit on
   const NoiseOptions& limits = options.noise;
   const double units = std::clamp((noise.upper_fifth - limits.smooth_from) / limits.smooth_unit,
@@ -57,7 +58,7 @@ DenoisingReport smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise,
   const DenoisingReport report =
       denoise(cloud, noise.median, neighbours, options.denoising, progress);
   options.initial_mesh.voxel_size *= 1.0 + kLargerVoxels * units;
-  options.initial_mesh.voxel_ratio_for_detail = 0.0;  // noise makes samples sharp
+  if (noise.median >= kSharpenedFrom) options.initial_mesh.voxel_ratio_for_detail = 0.0;
   const double part = std::min(units, 1.0);
   const auto towards = [&](double& value, double at_one) { value += part * (at_one - value); };
   towards(options.parametric_surface.attraction, kAttraction);
