@@ -185,6 +185,12 @@ TEST(VoxelSolid, BricksAreNoMoreThanAFewTimesTheSamples) {
   EXPECT_FALSE(usual.report.voxels_are_larger);
 }
 
+InitialMeshOptions without_detail() {
+  InitialMeshOptions options;
+  options.voxel_ratio_for_detail = 0.0;
+  return options;
+}
+
 TEST(InitialMesh, SmallerVoxelsPartBodiesThatAreClose) {
   // Eight balls at the corners of a cube, of which some are turned, two spacings apart.
   constexpr Index kSamples = 80;
@@ -199,10 +205,9 @@ TEST(InitialMesh, SmallerVoxelsPartBodiesThatAreClose) {
     if (seed % 2 == 1)
       for (Vec3& p : points) p = {0.8 * p.x() - 0.6 * p.y(), 0.6 * p.x() + 0.8 * p.y(), p.z()};
     const PointCloud cloud = oriented_cloud(points);
-    InitialMeshOptions two_sizes, one_size;
-    two_sizes.voxel_ratio_for_detail = one_size.voxel_ratio_for_detail = 0.0;
+    InitialMeshOptions one_size = without_detail();
     one_size.voxel_ratio_for_bodies = 0.0;
-    const InitialMesh mesh = initial_mesh_of(cloud, two_sizes),
+    const InitialMesh mesh = initial_mesh_of(cloud, without_detail()),
                       without = initial_mesh_of(cloud, one_size);
     EXPECT_EQ(mesh.report.components, 8);
     EXPECT_EQ(mesh.report.genus, 0);
@@ -214,18 +219,13 @@ TEST(InitialMesh, SmallerVoxelsPartBodiesThatAreClose) {
   EXPECT_LE(bodies_without, bodies - 5) << "the cases are too easy";
 }
 
-InitialMeshOptions of_one_size() {
-  InitialMeshOptions options;
-  options.voxel_ratio_for_detail = 0.0;
-  return options;
-}
-
 TEST(InitialMesh, VoxelsAreSmallerWhereSamplesAreFewForTheShape) {
   // Walls of 0.08: one and a half spacings.
   Index false_handles = 0, of_large_voxels = 0;
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const PointCloud cloud = oriented_cloud(sample_shape(ShapeKind::thin_plate, 1000, seed));
-    const InitialMesh mesh = initial_mesh_of(cloud), large = initial_mesh_of(cloud, of_one_size());
+    const InitialMesh mesh = initial_mesh_of(cloud),
+                      large = initial_mesh_of(cloud, without_detail());
     EXPECT_GT(mesh.report.sharp, InitialMeshOptions().least_sharp);
     EXPECT_TRUE(mesh.report.is_of_detail_size);
     EXPECT_LE(mesh.report.voxel_size, 0.7001 * InitialMeshOptions().voxel_size);
@@ -243,7 +243,7 @@ TEST(InitialMesh, VoxelsAreNoSmallerWhereSamplesAreMany) {
   const InitialMesh mesh = initial_mesh_of(cloud);
   EXPECT_FALSE(mesh.report.is_of_detail_size);
   EXPECT_LE(mesh.report.sharp, InitialMeshOptions().least_sharp);
-  expect_same_mesh(mesh.mesh, initial_mesh_of(cloud, of_one_size()).mesh);
+  expect_same_mesh(mesh.mesh, initial_mesh_of(cloud, without_detail()).mesh);
 }
 
 // Whose gaps are to be bridged.
@@ -264,7 +264,7 @@ TEST(InitialMesh, LargerVoxelsRefuteHandlesOfSmaller) {
     EXPECT_EQ(mesh.report.genus, 0);
     if (mesh.report.is_of_detail_size) continue;
     EXPECT_GT(mesh.report.handles_refuted, 0);
-    expect_same_mesh(mesh.mesh, initial_mesh_of(cloud, of_one_size()).mesh);
+    expect_same_mesh(mesh.mesh, initial_mesh_of(cloud, without_detail()).mesh);
     ++refuted;
   }
   EXPECT_GT(refuted, 0) << "this test tests nothing";
