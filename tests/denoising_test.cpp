@@ -324,8 +324,7 @@ TEST(Denoising, IsForSurfacesAtWhichRunsStop) {
 
 // Few samples on both sides of a plate: planes mix them up where quadrics do not.
 TEST(Denoising, ParallelSheetsOfFewSamplesArePartedInASecondAttempt) {
-  int taken = 0;
-  Index extra = 0;
+  int taken = 0, with_extra = 0;
   for (unsigned seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
     const std::vector<Vec3> points = sample_shape(ShapeKind::thin_plate, 150, seed);
@@ -334,10 +333,10 @@ TEST(Denoising, ParallelSheetsOfFewSamplesArePartedInASecondAttempt) {
     EXPECT_EQ(result.report.self_intersecting_faces, 0);
     EXPECT_EQ(result.report.genus, 0);
     EXPECT_EQ(result.report.samples_matched, 150);
-    extra += result.report.vertices_extra;
+    with_extra += result.report.vertices_extra > 0;
   }
   EXPECT_GE(taken, 2);
-  EXPECT_LE(extra, 2) << "of one whose sides face the same way, as those of an open sheet";
+  EXPECT_LE(with_extra, 2) << "whose sides face the same way, as those of an open sheet";
 }
 
 }  // namespace

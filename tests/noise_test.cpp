@@ -36,8 +36,8 @@ TEST(Noise, IsAboutRightUpToHalfASpacing) {
 TEST(Noise, GrowsBeyondThat) {
   const double half = noise_of(noisy(ShapeKind::torus, 5000, 2, 0.5));
   const double one = noise_of(noisy(ShapeKind::torus, 5000, 2, 1.0));
-  EXPECT_GT(one, half + 0.1);
-  EXPECT_GT(one, 0.67) << "neighbourhoods of 16 alone give 0.65";
+  EXPECT_GT(one, half + 0.2);
+  EXPECT_GT(one, 0.75) << "neighbourhoods of 16 alone give 0.65";
 }
 
 TEST(Noise, CleanCloudsAreNotCalledNoisy) {
@@ -46,6 +46,34 @@ TEST(Noise, CleanCloudsAreNotCalledNoisy) {
     EXPECT_LT(noise_of(sample_shape(kind, 4000, 3)), 0.25 * NoiseOptions().high);
     EXPECT_LT(noise_of(sample_shape_blue_noise(kind, 2000, 4)), 0.5 * NoiseOptions().high);
   }
+}
+
+// A quadric misses the more of a surface the fewer samples show it.
+TEST(Noise, CurvatureIsNotNoise) {
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    EXPECT_LT(noise_of(sample_shape_blue_noise(ShapeKind::sphere, 100, seed)), 0.02);
+    EXPECT_LT(noise_of(sample_shape_blue_noise(ShapeKind::double_torus, 500, seed)), 0.02);
+    SampleDefects defects;
+    defects.noise = 0.1;
+    EXPECT_NEAR(noise_of(sample_shape(ShapeKind::sphere, 1000, seed, defects)), 0.1, 0.02);
+  }
+}
+
+// Taken for noisy they were moved, and grew together.
+TEST(Noise, SurfacesOfSmallBallsStayApart) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < 48; ++i) {
+    const Vec3 centre = 4.0 * Vec3(i % 4, i / 4 % 4, i / 16);
+    for (const Vec3& p : sample_shape(ShapeKind::sphere, 43, 1 + static_cast<unsigned>(i)))
+      points.push_back(centre + p);
+  }
+  ReconstructionOptions options;
+  options.stop_at_parametric_surface = true;
+  Progress silent;
+  const Reconstruction result = reconstruct(points, options, silent);
+  EXPECT_LT(result.noise, options.denoising.before_initial_mesh_from);
+  EXPECT_EQ(result.report.components, 48);
+  EXPECT_EQ(result.report.genus, 0);
 }
 
 TEST(Noise, TwoSidesOfAThinWallAreNotNoise) {

@@ -11,41 +11,52 @@ namespace shrinkwrap {
 namespace {
 
 constexpr Index kGrain = 32;
-constexpr Index kSamplesPerProbe = 16;  // of small clouds
-constexpr int kCoefficients = 6;        // of a quadratic height field
+constexpr Index kSamplesPerProbe = 4;  // of small clouds
+constexpr int kCoefficients = 6;       // of a quadratic height field
 constexpr int kLeastNeighbours = kCoefficients + 3;
 constexpr double kUnknown = -1.0;
-// Neighbourhoods that are as thick as they are wide hide a part of the noise: theirs is widened to
-// at least 8 times the noise. A disc of radius r spacings holds pi r^2 samples.
-constexpr double kNeighboursPerSquaredNoise = 50.0, kMostNeighbours = 200.0;
+// Of every neighbourhood the nearest part is fitted too.
+constexpr double kNarrowPart = 0.625;
+// Neighbourhoods that are as thick as they are wide hide a part of the noise: the narrow ones are
+// widened to at least 10 times the noise. A disc of radius r spacings holds pi r^2 samples.
+constexpr double kNeighboursPerSquaredNoise = 80.0, kMostNeighbours = 200.0;
 constexpr int kMostRounds = 4;
 
 using Coefficients = Eigen::Matrix<double, kCoefficients, 1>;
 using NormalEquations = Eigen::Matrix<double, kCoefficients, kCoefficients>;
 
-// The nearest samples, of those that face the same way: across a thin wall lie samples of another
-// surface. Relative to the sample, in its spacings.
-std::vector<Vec3> neighbourhood_of(const PointCloud& cloud, Index sample, int neighbours) {
+int narrower(int neighbours) {
+  return static_cast<int>(std::lround(kNarrowPart * neighbours));
+}
+
+// The nearest samples, nearest first.
+std::vector<Index> nearest_to(const PointCloud& cloud, Index sample, int neighbours) {
+  if (neighbours <= cloud.neighbour_count)
+    return {cloud.neighbours_of(sample), cloud.neighbours_of(sample) + neighbours};
+  std::vector<VoxelSearch::Hit> hits;
+  cloud.search.k_nearest(cloud.position[sample], neighbours, hits);
+  std::vector<Index> nearest;
+  nearest.reserve(hits.size());
+  for (const VoxelSearch::Hit& hit : hits) nearest.push_back(hit.index);
+  return nearest;
+}
+
+// Of the first `count` samples those that face the same way: across a thin wall lie samples of
+// another surface. Relative to the sample, in its spacings.
+std::vector<Vec3> offsets_to(const PointCloud& cloud, Index sample,
+                             const std::vector<Index>& nearest, int count) {
   const double scale = 1.0 / cloud.local_spacing[sample];
   std::vector<Vec3> offset;
-  offset.reserve(static_cast<std::size_t>(neighbours));
-  const auto add = [&](Index other) {
+  for (const Index other : nearest) {
+    if (count-- == 0) break;
     if (cloud.normal[other].dot(cloud.normal[sample]) > 0.0f)
       offset.push_back(scale * (cloud.position[other] - cloud.position[sample]));
-  };
-  if (neighbours <= cloud.neighbour_count) {
-    std::for_each(cloud.neighbours_of(sample), cloud.neighbours_of(sample) + neighbours, add);
-  } else {
-    std::vector<VoxelSearch::Hit> hits;
-    cloud.search.k_nearest(cloud.position[sample], neighbours, hits);
-    for (const VoxelSearch::Hit& hit : hits) add(hit.index);
   }
   return offset;
 }
 
-// Deviation around one sample, x its spacing.
-double deviation_at(const PointCloud& cloud, Index sample, int neighbours) {
-  std::vector<Vec3> offset = neighbourhood_of(cloud, sample, neighbours);
+// Mean squared residual of the quadric that fits best, free of the bias of the fit.
+double squared_deviation(std::vector<Vec3> offset) {
   const int count = static_cast<int>(offset.size());
   if (count < kLeastNeighbours) return kUnknown;
   Vec3 mean = Vec3::Zero();
@@ -73,18 +84,52 @@ double deviation_at(const PointCloud& cloud, Index sample, int neighbours) {
   }
   const double residual = heights - squares.ldlt().solve(moments).dot(moments);
   if (!std::isfinite(residual)) return kUnknown;
-  return std::sqrt(std::max(residual, 0.0) / (count - kCoefficients));
+  return std::max(residual, 0.0) / (count - kCoefficients);
+}
+
+// The value below which a part of the variances of so many neighbours lies if their residuals are
+// normally distributed with variance 1 (Wilson and Hilferty 1931). `deviate`: of that part, of the
+// standard normal distribution.
+double quantile_of_variance(int neighbours, double deviate) {
+  const double part = 2.0 / (9.0 * (neighbours - kCoefficients));
+  return std::pow(1.0 - part + deviate * std::sqrt(part), 3);
+}
+
+// What the quadrics miss of a curved surface grows with the third power of the radius of the
+// neighbourhood, its square thus with the third power of the number of samples; noise does not
+// grow. Two sizes tell them apart. `narrow` and `wide`: the same quantile of the variances of each.
+double variance_of_noise(double narrow, double wide, int neighbours, double deviate) {
+  const int fewer = narrower(neighbours);
+  const double growth = std::pow(static_cast<double>(neighbours) / fewer, 3);
+  narrow *= quantile_of_variance(neighbours, deviate) / quantile_of_variance(fewer, deviate);
+  return std::clamp((growth * narrow - wide) / (growth - 1.0), 0.0, wide);
 }
 
 NoiseEstimate estimate_with(const PointCloud& cloud, Index stride, int neighbours,
                             Progress& progress) {
-  std::vector<double> deviation(static_cast<std::size_t>(cloud.size() / stride), kUnknown);
-  parallel_for_each(static_cast<Index>(deviation.size()), kGrain, progress,
-                    [&](Index n) { deviation[n] = deviation_at(cloud, n * stride, neighbours); });
-  deviation.erase(std::remove(deviation.begin(), deviation.end(), kUnknown), deviation.end());
-  if (deviation.empty()) return {};
-  std::sort(deviation.begin(), deviation.end());
-  return {deviation[deviation.size() / 2], deviation[deviation.size() * 4 / 5]};
+  const auto probes = static_cast<Index>(cloud.size() / stride);
+  std::vector<double> narrow(static_cast<std::size_t>(probes), kUnknown), wide = narrow;
+  parallel_for_each(probes, kGrain, progress, [&](Index n) {
+    const Index sample = n * stride;
+    const std::vector<Index> nearest = nearest_to(cloud, sample, neighbours);
+    narrow[n] = squared_deviation(offsets_to(cloud, sample, nearest, narrower(neighbours)));
+    wide[n] = squared_deviation(offsets_to(cloud, sample, nearest, neighbours));
+  });
+  const auto sort_known = [](std::vector<double>& variances) {
+    variances.erase(std::remove(variances.begin(), variances.end(), kUnknown), variances.end());
+    std::sort(variances.begin(), variances.end());
+  };
+  sort_known(narrow);
+  sort_known(wide);
+  if (wide.empty()) return {};
+  if (narrow.empty()) narrow = wide;
+  constexpr double kDeviateOfUpperFifth = 0.8416;
+  const double median = variance_of_noise(narrow[narrow.size() / 2], wide[wide.size() / 2],
+                                          neighbours, 0.0),
+               upper_fifth =
+                   variance_of_noise(narrow[narrow.size() * 4 / 5], wide[wide.size() * 4 / 5],
+                                     neighbours, kDeviateOfUpperFifth);
+  return {std::sqrt(median), std::sqrt(std::max(median, upper_fifth))};
 }
 
 }  // namespace
@@ -97,7 +142,7 @@ NoiseEstimate estimate_noise(const PointCloud& cloud, const NoiseOptions& option
   int neighbours = cloud.neighbour_count;
   NoiseEstimate noise = estimate_with(cloud, stride, neighbours, progress);
   for (int round = 0; round < kMostRounds; ++round) {
-    const double needed = kNeighboursPerSquaredNoise * noise.median * noise.median;
+    const double needed = kNeighboursPerSquaredNoise * noise.median * noise.median / kNarrowPart;
     const int wider = static_cast<int>(std::lround(std::min(needed, kMostNeighbours)));
     if (wider <= neighbours) break;
     neighbours = wider;

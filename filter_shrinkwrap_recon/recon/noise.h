@@ -7,8 +7,8 @@ namespace shrinkwrap {
 
 struct NoiseOptions {
   Index probes = 1024;  ///< samples that are looked at, evenly spread; fewer in small clouds
-  /// Above this the surface through the samples is rough (x local spacing): measured 0.24 and more
-  /// on clouds with noise of 0.25 and more, 0.16 and less on clean ones.
+  /// Above this the surface through the samples is rough (x local spacing). Clean clouds have 0.12
+  /// and less, unless they have about as few samples as bones and walls are thick (0.21).
   double high = 0.2;
   /// Of clouds above that, in place of the ratio of initial_mesh.h: voxels somewhat larger refute
   /// handles between noisy layers, which smaller ones show too. Half as large again refutes handles
@@ -18,7 +18,7 @@ struct NoiseOptions {
   /// by one unit for every `smooth_unit` of the upper fifth beyond `smooth_from`, at most
   /// `most_units`.
   double smooth_from = 0.3;
-  double smooth_unit = 0.25;
+  double smooth_unit = 0.5;
   double most_units = 1.5;
 };
 
@@ -29,10 +29,12 @@ struct NoiseEstimate {
 
 /// The deviation of the samples from the surface that they lie on, in local spacings: what the
 /// neighbours of a sample that face the same way deviate from the quadratic height field that fits
-/// them best (Cazals and Pouget 2005, degree 2), freed of the bias of the fit.
-/// Neighbourhoods are widened until they are wider than thick. About right to 0.5, and too low
-/// beyond (0.7 for 1, also because the spacing is then overestimated). 0 if there is too little to
-/// tell. Pre: `orient_normals` was called on the cloud. The same for any number of threads.
+/// them best (Cazals and Pouget 2005, degree 2), freed of the bias of the fit, and of what the
+/// quadric misses of a curved surface, which unlike noise grows with the neighbourhood: two sizes
+/// are fitted. Neighbourhoods are widened until they are wider than thick. About right to 0.5, and
+/// too low beyond (0.8 for 1, also because the spacing is then overestimated). 0 if there is too
+/// little to tell. Pre: `orient_normals` was called on the cloud. The same for any number of
+/// threads.
 NoiseEstimate estimate_noise(const PointCloud& cloud, const NoiseOptions& options,
                              Progress& progress);
 
