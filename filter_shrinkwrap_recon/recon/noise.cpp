@@ -87,21 +87,19 @@ double squared_deviation(std::vector<Vec3> offset) {
   return std::max(residual, 0.0) / (count - kCoefficients);
 }
 
-// The value below which a part of the variances of so many neighbours lies if their residuals are
-// normally distributed with variance 1 (Wilson and Hilferty 1931). `deviate`: of that part, of the
-// standard normal distribution.
-double quantile_of_variance(int neighbours, double deviate) {
-  const double part = 2.0 / (9.0 * (neighbours - kCoefficients));
-  return std::pow(1.0 - part + deviate * std::sqrt(part), 3);
+// The median of the variances of so many neighbours if their residuals are normally distributed
+// with variance 1 (Wilson and Hilferty 1931).
+double median_variance(int neighbours) {
+  return std::pow(1.0 - 2.0 / (9.0 * (neighbours - kCoefficients)), 3);
 }
 
 // What the quadrics miss of a curved surface grows with the third power of the radius of the
 // neighbourhood, its square thus with the third power of the number of samples; noise does not
-// grow. Two sizes tell them apart. `narrow` and `wide`: the same quantile of the variances of each.
-double variance_of_noise(double narrow, double wide, int neighbours, double deviate) {
+// grow. Two sizes tell them apart. `narrow` and `wide`: the medians of the variances of each.
+double variance_of_noise(double narrow, double wide, int neighbours) {
   const int fewer = narrower(neighbours);
   const double growth = std::pow(static_cast<double>(neighbours) / fewer, 3);
-  narrow *= quantile_of_variance(neighbours, deviate) / quantile_of_variance(fewer, deviate);
+  narrow *= median_variance(neighbours) / median_variance(fewer);
   return std::clamp((growth * narrow - wide) / (growth - 1.0), 0.0, wide);
 }
 
@@ -123,13 +121,9 @@ NoiseEstimate estimate_with(const PointCloud& cloud, Index stride, int neighbour
   sort_known(wide);
   if (wide.empty()) return {};
   if (narrow.empty()) narrow = wide;
-  constexpr double kDeviateOfUpperFifth = 0.8416;
-  const double median = variance_of_noise(narrow[narrow.size() / 2], wide[wide.size() / 2],
-                                          neighbours, 0.0),
-               upper_fifth =
-                   variance_of_noise(narrow[narrow.size() * 4 / 5], wide[wide.size() * 4 / 5],
-                                     neighbours, kDeviateOfUpperFifth);
-  return {std::sqrt(median), std::sqrt(std::max(median, upper_fifth))};
+  const double median =
+      variance_of_noise(narrow[narrow.size() / 2], wide[wide.size() / 2], neighbours);
+  return {std::sqrt(median), std::sqrt(wide[wide.size() * 4 / 5])};
 }
 
 }  // namespace

@@ -18,13 +18,15 @@ struct NoiseOptions {
   /// by one unit for every `smooth_unit` of the upper fifth beyond `smooth_from`, at most
   /// `most_units`.
   double smooth_from = 0.3;
-  double smooth_unit = 0.5;
+  double smooth_unit = 0.35;
   double most_units = 1.5;
 };
 
 struct NoiseEstimate {
-  double median = 0.0;       ///< x local spacing, over the samples
-  double upper_fifth = 0.0;  ///< a fifth of the samples have more: where scans overlap, for example
+  double median = 0.0;  ///< x local spacing, over the samples
+  /// A fifth of the samples have more: where scans overlap, for example, or parts are so thin that
+  /// quadrics miss them, which counts here.
+  double upper_fifth = 0.0;
 };
 
 /// The deviation of the samples from the surface that they lie on, in local spacings: what the
