@@ -195,6 +195,16 @@ void tell_of_detail(const Reconstruction& result, FilterOutcome& outcome) {
           : at_first + ", and finer control meshes did not help");
 }
 
+void tell_of(const SurfaceDetail& detail, FilterOutcome& outcome) {
+  if (!detail.is_kept) return;
+  outcome.log.push_back("a fifth of the samples are farther from the parametric surface than " +
+                        formatted("%.3f", detail.upper_fifth) +
+                        " spacings, more than noise explains: the vertices are the samples, moved "
+                        "onto it but for detail, by " +
+                        formatted("%.2f", detail.mean_displacement) + " spacings in the mean, " +
+                        formatted("%.2f", detail.max_displacement) + " at most");
+}
+
 std::string openings_line(const OpeningsReport& report) {
   std::string line = "Openings: ";
   if (report.spanned > 0)

@@ -53,6 +53,8 @@ void tell_of_sheet(const OrientationReport& report, const ReconstructionOptions&
 void tell_of_attempts(const Reconstruction& result, FilterOutcome& outcome);
 /// If the surface was made again because it had lost detail, with which control mesh.
 void tell_of_detail(const Reconstruction& result, FilterOutcome& outcome);
+/// If the vertices of a surface that missed detail are the samples, how far these have moved.
+void tell_of(const SurfaceDetail& detail, FilterOutcome& outcome);
 /// How many samples were left out as outliers.
 void tell_of(const OutlierReport& report, FilterOutcome& outcome);
 

@@ -77,9 +77,9 @@ PointCloud prepare(const FilterInput& input, const ReconstructionOptions& option
 
 // As a surface is made from them; `options` of the later stages are changed to suit.
 PointCloud prepare_oriented(const FilterInput& input, ReconstructionOptions& options,
-                            Progress& progress, FilterOutcome& outcome) {
+                            CloudReport& samples, Progress& progress, FilterOutcome& outcome) {
   PointCloud cloud = prepare(input, options, progress, outcome);
-  const CloudReport samples = orient_and_smooth(cloud, options, progress);
+  samples = orient_and_smooth(cloud, options, progress);
   warn_of(samples.orientation, outcome.warnings);
   tell_of_noise(samples.noise.median, samples.denoising, options, outcome);
   return cloud;
@@ -128,6 +128,7 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   for (std::string& line : describe(result.report)) outcome.log.push_back(std::move(line));
   tell_of_detail(result, outcome);
   tell_of_attempts(result, outcome);
+  tell_of(result.surface_detail, outcome);
   tell_of(result.outliers, outcome);
   outcome.log.push_back(kSucceeded + verdict_of(result.report) + but_outliers(result.outliers));
   outcome.outliers = outlier_layer(result.outliers, input.points);
@@ -166,7 +167,8 @@ FilterOutcome run_initial_mesh(const FilterRequest& request, const FilterInput& 
                                Progress& progress) {
   FilterOutcome outcome;
   ReconstructionOptions options = request.options;
-  const PointCloud cloud = prepare_oriented(input, options, progress, outcome);
+  CloudReport samples;
+  const PointCloud cloud = prepare_oriented(input, options, samples, progress, outcome);
   const InitialMesh initial = make_initial_mesh(cloud, options.initial_mesh, progress);
   warn_of(initial.report, outcome.warnings);
   if (initial.report.is_of_detail_size) outcome.log.push_back(detail_line(initial.report));
@@ -196,10 +198,12 @@ FilterOutcome run_parametric_surface(const FilterRequest& request, const FilterI
   FilterOutcome outcome;
   ReconstructionOptions options = request.options;
   options.host_scalar = host_scalar_for(input.points, options);
-  const PointCloud cloud = prepare_oriented(input, options, progress, outcome);
+  CloudReport samples;
+  PointCloud cloud = prepare_oriented(input, options, samples, progress, outcome);
   FittedSurface fitted =
       fit_surface(closed_surface(input.mesh, cloud.frame), cloud, options, progress);
-  outcome.mesh = stop_at(fitted, cloud, options, progress);
+  outcome.mesh = stop_at(fitted, cloud, input.points, samples.noise.median, options, progress);
+  tell_of(fitted.detail, outcome);
   RelaxationReport& relaxation = fitted.relaxation;
   const ParametricSurface& surface = fitted.surface;
   if (relaxation.faces_before > 0) outcome.log.push_back(relaxation_line(relaxation));

@@ -7,6 +7,7 @@
 
 #include "bodies.h"
 #include "bounding_box_start.h"
+#include "coordinate_matches.h"
 #include "detail.h"
 #include "finish_matching.h"
 #include "freed_memory.h"
@@ -232,10 +233,11 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   } else {
     FittedSurface fitted = make_surface(cloud, options, result, log, progress);
     if (options.stop_at_parametric_surface) {
-      result.mesh = stop_at(fitted, cloud, options, progress);
+      result.mesh = stop_at(fitted, cloud, points, result.noise, options, progress);
       log.go_on(static_cast<Index>(result.mesh.position.size()));
       result.relaxation = std::move(fitted.relaxation);
       result.openings = fitted.openings;
+      result.surface_detail = fitted.detail;
     } else {
       match_sheets(std::move(fitted.surface.mesh), cloud, points, options, result, log, progress);
     }
@@ -336,8 +338,79 @@ FittedSurface fit_surface(SurfaceMesh control, const PointCloud& cloud,
   return result;
 }
 
-ResultMesh stop_at(FittedSurface& fitted, const PointCloud& cloud,
-                   const ReconstructionOptions& options, Progress& progress) {
+namespace {
+
+// All the points, the samples among them where the host has them once they have moved.
+std::vector<Vec3> points_on_surface(const SamplesOnSurface& samples, const PointCloud& cloud,
+                                    const std::vector<Vec3>& points, HostScalar scalar) {
+  std::vector<Vec3> moved = points;
+  for (Index i = 0; i < cloud.size(); ++i) {
+    Vec3& p = moved[cloud.input_index[i]];
+    p = cloud.frame.to_input(samples.position[i]);
+    if (scalar == HostScalar::single_precision) p = rounded_to_single(p);
+  }
+  return moved;
+}
+
+SurfaceDetail displacements(const PointCloud& cloud, const std::vector<Vec3>& points,
+                            const std::vector<Vec3>& moved) {
+  SurfaceDetail detail;
+  const double spacing = cloud.frame.to_input_length(cloud.spacing);
+  for (const Index i : cloud.input_index) {
+    const double displacement = (moved[i] - points[i]).norm() / spacing;
+    detail.mean_displacement += displacement / static_cast<double>(cloud.size());
+    detail.max_displacement = std::max(detail.max_displacement, displacement);
+  }
+  return detail;
+}
+
+// Fills in `mesh` and the reports of `fitted` if the surface misses detail, and if the mesh of the
+// samples is no worse.
+bool match_on_surface(FittedSurface& fitted, PointCloud& cloud, const std::vector<Vec3>& points,
+                      double noise, const ReconstructionOptions& options, ResultMesh& mesh,
+                      Progress& progress) {
+  progress.begin(Stage::complete_matching);
+  progress.set_part(0.0, 0.3);
+  const SamplesOnSurface samples =
+      move_onto_surface(fitted.surface.mesh, cloud, noise, options.samples_on_surface, progress);
+  fitted.detail.upper_fifth = samples.upper_fifth;
+  if (!(samples.upper_fifth > options.samples_on_surface.farthest * noise)) return false;
+  const std::vector<Vec3> moved = points_on_surface(samples, cloud, points, options.host_scalar);
+  const std::vector<Vec3> kept = points_at(moved, cloud.input_index);
+  if (match_coordinates(kept, {}, progress).samples < cloud.size()) return false;
+
+  SurfaceDetail detail = displacements(cloud, points, moved);
+  detail.upper_fifth = samples.upper_fifth;
+  undo_denoising(cloud, moved, options.samples.neighbours, progress);
+  try {
+    progress.set_part(0.3, 1.0);
+    CompleteMatching matching =
+        match_samples(fitted.surface.mesh, cloud, options.complete_matching, progress);
+    OptimisedMesh optimised = optimise_matching(matching, cloud, moved, options, progress);
+    RelaxationReport& relaxation = fitted.relaxation;
+    RepairReport& repair = optimised.intersection_repair;
+    if (repair.faces_after > relaxation.faces_after) return false;
+    relaxation.faces_after = repair.faces_after;
+    relaxation.remaining_faces = std::move(repair.remaining_faces);
+    mesh = std::move(optimised.mesh);
+  } catch (const ReconstructionFailed&) {
+    return false;  // there is the surface
+  }
+  fitted.detail = detail;
+  fitted.detail.is_kept = true;
+  return true;
+}
+
+}  // namespace
+
+ResultMesh stop_at(FittedSurface& fitted, PointCloud& cloud, const std::vector<Vec3>& points,
+                   double noise, const ReconstructionOptions& options, Progress& progress) {
+  // Backs of sheets have no samples to move; and membranes were stretched for what is here.
+  if (cloud.is_denoised() && fitted.membranes.empty()) {
+    ResultMesh matched;
+    if (match_on_surface(fitted, cloud, points, noise, options, matched, progress)) return matched;
+  }
+  progress.begin(Stage::parametric_surface);
   progress.set_part(1.0, 1.0);
   SurfaceMesh& surface = fitted.surface.mesh;
   const SurfaceOpenings openings = cut_surface_openings(surface, fitted.membranes, progress);
@@ -433,7 +506,7 @@ std::vector<Stage> stages_of(const ReconstructionOptions& options) {
   if (options.outliers.exclude) stages.push_back(Stage::outliers);
   stages.insert(stages.end(), {Stage::orientation, Stage::initial_mesh, Stage::control_mesh,
                                Stage::parametric_surface});
-  if (!options.stop_at_parametric_surface) {
+  if (!options.stop_at_parametric_surface || may_denoise(options, options.denoising.from)) {
     stages.push_back(Stage::complete_matching);
     stages.push_back(Stage::edge_optimisation);
   }

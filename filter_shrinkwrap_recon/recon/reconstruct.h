@@ -20,6 +20,7 @@
 #include "point_cloud.h"
 #include "promise.h"
 #include "result_mesh.h"
+#include "samples_on_surface.h"
 #include "surface_openings.h"
 
 namespace shrinkwrap {
@@ -33,6 +34,7 @@ struct ReconstructionOptions {
   InitialMeshOptions initial_mesh;
   ControlMeshOptions control_mesh;
   ParametricSurfaceOptions parametric_surface;
+  SamplesOnSurfaceOptions samples_on_surface;  ///< where the run stops at the parametric surface
   CompleteMatchingOptions complete_matching;
   EdgeOptimisationOptions edge_optimisation;
   RepairOptions intersection_repair;  ///< runs at the end of edge optimisation
@@ -96,6 +98,14 @@ struct DetailReport {
   int surfaces = 0;           ///< that were made; 0: not looked at
 };
 
+/// Where a run stops at a parametric surface that does not show what its samples do: edges and thin
+/// parts, of which samples tell more than a smooth surface with as many vertices.
+struct SurfaceDetail {
+  double upper_fifth = 0.0;  ///< a fifth of the samples are farther from it (x local spacing)
+  bool is_kept = false;      ///< the vertices are the samples, each moved by what noise explains
+  double mean_displacement = 0.0, max_displacement = 0.0;  ///< of these, x spacing
+};
+
 struct Reconstruction {
   /// Faces that span an opening carry their longest edge (x spacing) as quality, others 0; none has
   /// a quality if none spans. Vertex i is the i-th distinct sample that is no outlier, in the
@@ -116,6 +126,7 @@ struct Reconstruction {
   EdgeOptimisationReport edge_optimisation;
   RepairReport intersection_repair;  ///< `remaining_faces` are faces of `mesh`
   RelaxationReport relaxation;       ///< of a run that stops at the parametric surface
+  SurfaceDetail surface_detail;      ///< of such a run
   SecondAttempt smoothing;           ///< with a surface smoothed for the noise
   SecondAttempt backs;               ///< of sheets: their backs are openings
   MeshReport report;
@@ -162,6 +173,7 @@ struct FittedSurface {
   std::vector<SurfaceMembrane> membranes;  ///< where the run stops at the surface
   RelaxationReport relaxation;
   OpeningsReport openings;  ///< that `stop_at` made
+  SurfaceDetail detail;     ///< that `stop_at` kept
 };
 
 /// Makes the parametric surface, closed, and rounds it to `options.host_scalar`. Where the run
@@ -172,9 +184,14 @@ FittedSurface fit_surface(SurfaceMesh control, const PointCloud& cloud,
 
 /// Such a surface as a result, with its openings as the options said: face quality as in
 /// Reconstruction. Fills in `openings`, and counts anew which faces meet if some were dropped.
-/// Throws ReconstructionFailed if all would be.
-ResultMesh stop_at(FittedSurface& fitted, const PointCloud& cloud,
-                   const ReconstructionOptions& options, Progress& progress);
+/// Of a denoised cloud without openings that is farther from the surface than noise explains
+/// (SamplesOnSurfaceOptions), the result is instead the complete matching of the samples, which
+/// have moved onto it but for the detail; not if that had more faces that meet others. Fills in
+/// `detail` too; the cloud then has the samples where the vertices are, in the order of before.
+/// `points`: those that the cloud is of. `noise`: of `estimate_noise`. Throws ReconstructionFailed
+/// if all faces would be dropped.
+ResultMesh stop_at(FittedSurface& fitted, PointCloud& cloud, const std::vector<Vec3>& points,
+                   double noise, const ReconstructionOptions& options, Progress& progress);
 
 /// `match_samples`; if some of the outliers lie on the mesh, they become samples of the cloud, and
 /// the surface is matched once more (outliers_on_surface.h). `points`: those that the cloud is of.

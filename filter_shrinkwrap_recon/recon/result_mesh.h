@@ -11,7 +11,7 @@
 namespace shrinkwrap {
 
 /// A mesh in the caller's frame. Vertices that stand for samples have the caller's coordinates, to
-/// the bit.
+/// the bit, unless the samples were moved onto a surface at which the run stopped.
 struct ResultMesh {
   std::vector<Vec3> position;
   std::vector<Index>

@@ -73,13 +73,13 @@ std::vector<Verdict> verdicts_on(const Judgement& judgement, const Reconstructio
   if_so(!judgement.manifold, Verdict::not_manifold);
   if_so(judgement.manifold && judgement.closed() && !judgement.outward, Verdict::not_outward);
   if_so(!agrees(judgement, result.report), Verdict::dishonest_report);
-  if_so(judgement.moved > 0, Verdict::moved_sample);
   const std::size_t left_out = result.outliers.input_index.size();
   if_so(expectation.resolved && !expectation.has_outliers && left_out > 0,
         Verdict::sample_left_out);
 
   const bool resolved = expectation.resolved;
   if (!options.stop_at_parametric_surface) {
+    if_so(judgement.moved > 0, Verdict::moved_sample);
     if_so(judgement.missing > 0 || judgement.repeated > 0, Verdict::missing_sample);
     if_so(judgement.extra > 0, resolved && !expectation.open ? Verdict::extra_vertices
                                                              : Verdict::extra_vertices_unresolved);

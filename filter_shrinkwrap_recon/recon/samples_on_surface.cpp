@@ -1,0 +1,62 @@
+#include "samples_on_surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "parallel.h"
+#include "sample_feet.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr Index kGrain = 1 << 10;
+constexpr int kAround = 7;  // the sample itself and its one-ring, about
+
+Vec3 position_of(const SampleFoot& foot, const SurfaceMesh& surface) {
+  const Triangle t = surface.triangle(foot.face);
+  const double b = foot.weight_b, c = foot.weight_c;
+  return (1.0 - b - c) * surface.position[t[0]] + b * surface.position[t[1]] +
+         c * surface.position[t[2]];
+}
+
+double mean_around(const PointCloud& cloud, Index sample, const std::vector<double>& value) {
+  double sum = 0.0;
+  int count = 0;
+  const Index* neighbour = cloud.neighbours_of(sample);
+  for (int n = 0; n < std::min(kAround, cloud.neighbour_count); ++n) {
+    if (!(cloud.normal[neighbour[n]].dot(cloud.normal[sample]) > 0.0f)) continue;
+    sum += value[neighbour[n]];
+    ++count;
+  }
+  return count > 0 ? sum / count : value[sample];
+}
+
+}  // namespace
+
+SamplesOnSurface move_onto_surface(const SurfaceMesh& surface, const PointCloud& cloud,
+                                   double noise, const SamplesOnSurfaceOptions& options,
+                                   Progress& progress) {
+  const Index samples = cloud.size();
+  const SampleFeet feet = find_sample_feet(surface, cloud, progress);
+  SamplesOnSurface result;
+  result.position.resize(static_cast<std::size_t>(samples));
+  std::vector<double> squared_distance(result.position.size());  // x local spacing
+  parallel_for_each(samples, kGrain, progress, [&](Index i) {
+    result.position[i] = position_of(feet.foot[i], surface);
+    const double distance = (cloud.position[i] - result.position[i]).norm();
+    squared_distance[i] = std::pow(distance / cloud.local_spacing[i], 2);
+  });
+
+  const double left = noise * (options.left + options.left_per_noise * noise);
+  parallel_for_each(samples, kGrain, progress, [&](Index i) {
+    const double mean = mean_around(cloud, i, squared_distance);
+    const double stays = mean > left * left ? 1.0 - left * left / mean : 0.0;
+    result.position[i] += stays * (cloud.position[i] - result.position[i]);
+  });
+  const auto upper_fifth = squared_distance.begin() + static_cast<std::ptrdiff_t>(samples) * 4 / 5;
+  std::nth_element(squared_distance.begin(), upper_fifth, squared_distance.end());
+  result.upper_fifth = std::sqrt(*upper_fifth);
+  return result;
+}
+
+}  // namespace shrinkwrap
