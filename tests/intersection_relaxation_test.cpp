@@ -4,6 +4,8 @@
 #include <tbb/global_control.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 
 #include "expect_mesh.h"
 #include "self_intersection.h"
@@ -15,6 +17,10 @@ namespace {
 std::vector<Index> faces_that_meet(const SurfaceMesh& mesh) {
   Progress silent;
   return self_intersecting_faces(mesh.position, mesh.triangles(), silent);
+}
+
+RelaxationReport relax(SurfaceMesh& mesh, const RelaxationOptions& options, Progress& progress) {
+  return relax_self_intersections(mesh, {}, HostScalar::double_precision, options, progress);
 }
 
 // A torus whose vertices near x = 1 were shaken by more than an edge.
@@ -31,7 +37,7 @@ TEST(IntersectionRelaxation, UnfoldsAndLeavesTheRestAlone) {
   ASSERT_GT(faces_that_meet(before).size(), 20u);
   SurfaceMesh mesh = before;
   Progress silent;
-  const RelaxationReport report = relax_self_intersections(mesh, {}, silent);
+  const RelaxationReport report = relax(mesh, {}, silent);
   EXPECT_EQ(report.faces_before, static_cast<Index>(faces_that_meet(before).size()));
   EXPECT_EQ(report.faces_after, 0);
   EXPECT_TRUE(faces_that_meet(mesh).empty());
@@ -45,11 +51,41 @@ TEST(IntersectionRelaxation, UnfoldsAndLeavesTheRestAlone) {
   EXPECT_LT(moved, mesh.vertex_slots() / 2);
 }
 
+// A finger through the wall opposite, drawn back by a few of its rings in a round.
+TEST(IntersectionRelaxation, DrawsBackWhatReachesFar) {
+  SurfaceMesh mesh = torus_mesh(120, 48);
+  const Vec3 foot = *std::max_element(mesh.position.begin(), mesh.position.end(),
+                                      [](const Vec3& a, const Vec3& b) { return a.x() < b.x(); });
+  for (Vec3& p : mesh.position)
+    p.x() -= 2.0 * std::pow(std::max(0.0, 1.0 - (p - foot).squaredNorm() / 0.1), 2);
+  Progress silent;
+  const RelaxationReport report = relax(mesh, {}, silent);
+  EXPECT_GT(report.faces_before, 200);
+  EXPECT_EQ(report.faces_after, 0);
+  EXPECT_EQ(report.flips, 0);
+}
+
+// Coordinates of which single precision keeps some thousand steps over the torus.
+TEST(IntersectionRelaxation, MovesVerticesToWhereTheHostHasThem) {
+  Frame frame;
+  frame.center = Vec3(30000.0, -20000.0, 10000.0);
+  constexpr HostScalar kScalar = HostScalar::single_precision;
+  SurfaceMesh mesh = shaken_torus(0.3);
+  round_to_host(mesh, frame, kScalar);
+  Progress silent;
+  const RelaxationReport report = relax_self_intersections(mesh, frame, kScalar, {}, silent);
+  EXPECT_GT(report.moved, 0);
+  EXPECT_EQ(report.faces_after, 0);
+  const SurfaceMesh relaxed = mesh;
+  round_to_host(mesh, frame, kScalar);
+  EXPECT_EQ(mesh.position, relaxed.position);
+}
+
 TEST(IntersectionRelaxation, LeavesASurfaceWithoutIntersectionsAlone) {
   SurfaceMesh mesh = icosphere(3);
   const SurfaceMesh before = mesh;
   Progress silent;
-  const RelaxationReport report = relax_self_intersections(mesh, {}, silent);
+  const RelaxationReport report = relax(mesh, {}, silent);
   EXPECT_EQ(report.faces_before, 0);
   EXPECT_EQ(report.rounds, 0);
   expect_same_mesh(mesh, before);
@@ -63,7 +99,7 @@ TEST(IntersectionRelaxation, PutsBackWhatDidNotHelp) {
   options.max_rounds = 3;
   options.repair.enabled = false;
   Progress silent;
-  const RelaxationReport report = relax_self_intersections(mesh, options, silent);
+  const RelaxationReport report = relax(mesh, options, silent);
   EXPECT_EQ(report.moved, 0);
   EXPECT_EQ(report.faces_after, report.faces_before);
   EXPECT_EQ(report.remaining_faces, faces_that_meet(mesh));
@@ -77,7 +113,7 @@ TEST(IntersectionRelaxation, RepairsWhatSmoothingLeaves) {
   options.weight = 0.0;
   options.max_rounds = 1;
   Progress silent;
-  const RelaxationReport report = relax_self_intersections(mesh, options, silent);
+  const RelaxationReport report = relax(mesh, options, silent);
   EXPECT_GT(report.faces_before, 20);
   EXPECT_LT(report.faces_after, report.faces_before / 10);
   EXPECT_EQ(report.moved, 0);
@@ -108,7 +144,7 @@ TEST(IntersectionRelaxation, LeavesWholeBodiesAlone) {
   RelaxationOptions options;
   options.repair.enabled = false;
   Progress silent;
-  const RelaxationReport report = relax_self_intersections(mesh, options, silent);
+  const RelaxationReport report = relax(mesh, options, silent);
   EXPECT_LT(report.faces_after, report.faces_before);
   EXPECT_EQ(report.remaining_faces, faces_that_meet(mesh));
   EXPECT_GT(report.faces_after, 0);
@@ -124,7 +160,7 @@ TEST(IntersectionRelaxation, LeavesAHeapAlone) {
   for (Vec3& p : mesh.position) p = random.in_cube();
   const SurfaceMesh before = mesh;
   Progress silent;
-  const RelaxationReport report = relax_self_intersections(mesh, {}, silent);
+  const RelaxationReport report = relax(mesh, {}, silent);
   EXPECT_EQ(report.rounds, 0);
   EXPECT_EQ(report.faces_after, report.faces_before);
   expect_same_mesh(mesh, before);
@@ -136,7 +172,7 @@ TEST(IntersectionRelaxation, DoesNotDependOnThreads) {
   for (const std::size_t threads : {1, 2}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     Progress silent;
-    reports[threads - 1] = relax_self_intersections(meshes[threads - 1], {}, silent);
+    reports[threads - 1] = relax(meshes[threads - 1], {}, silent);
   }
   EXPECT_GT(reports[0].moved, 0);
   EXPECT_EQ(reports[0].moved, reports[1].moved);
@@ -150,7 +186,7 @@ TEST(IntersectionRelaxation, CanBeCancelled) {
   Progress refused([&](double, const char*) { return goes_on; }, {Stage::parametric_surface});
   refused.begin(Stage::parametric_surface);
   goes_on = false;
-  EXPECT_THROW(relax_self_intersections(mesh, {}, refused), Cancelled);
+  EXPECT_THROW(relax(mesh, {}, refused), Cancelled);
 }
 
 }  // namespace

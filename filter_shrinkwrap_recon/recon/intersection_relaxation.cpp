@@ -52,8 +52,11 @@ std::vector<Index> faces_that_meet(const SurfaceMesh& mesh, const BoxTree& tree,
 // Moves vertices, and remembers where they were.
 class Relaxation {
  public:
-  Relaxation(SurfaceMesh& mesh, const RelaxationOptions& options, Progress& progress)
+  Relaxation(SurfaceMesh& mesh, const Frame& frame, HostScalar scalar,
+             const RelaxationOptions& options, Progress& progress)
       : mesh_(mesh),
+        frame_(frame),
+        scalar_(scalar),
         options_(options),
         progress_(progress),
         components_(connected_components(mesh, progress)),
@@ -78,13 +81,15 @@ class Relaxation {
       }
     const Index count = static_cast<Index>(region.size());
     moved_.resize(region.size());
-    for (int step = 0; step < options_.steps; ++step) {
+    for (int step = 0; step < options_.steps + rings; ++step) {
       parallel_for_each(count, kGrain, progress_, [&](Index i) {
         moved_[i] = mesh_.position[region[i]] +
                     options_.weight * gather_one_ring(mesh_, region[i]).laplacian();
       });
       for (Index i = 0; i < count; ++i) mesh_.position[region[i]] = moved_[i];
     }
+    for (const Index v : region)
+      mesh_.position[v] = rounded_to_host(mesh_.position[v], frame_, scalar_);
     return faces_around(mesh_, region);
   }
 
@@ -106,6 +111,8 @@ class Relaxation {
   }
 
   SurfaceMesh& mesh_;
+  const Frame& frame_;
+  const HostScalar scalar_;
   const RelaxationOptions& options_;
   Progress& progress_;
   const MeshComponents components_;
@@ -117,8 +124,8 @@ class Relaxation {
 
 }  // namespace
 
-RelaxationReport relax_self_intersections(SurfaceMesh& mesh, const RelaxationOptions& options,
-                                          Progress& progress) {
+RelaxationReport relax_self_intersections(SurfaceMesh& mesh, const Frame& frame, HostScalar scalar,
+                                          const RelaxationOptions& options, Progress& progress) {
   RelaxationReport report;
   const std::vector<Triangle> triangles = mesh.triangles();
   BoxTree tree(mesh.position, triangles, progress);
@@ -128,7 +135,7 @@ RelaxationReport relax_self_intersections(SurfaceMesh& mesh, const RelaxationOpt
 
   std::vector<Index> meeting = at_first;
   if (static_cast<double>(meeting.size()) <= options.most * mesh.face_count()) {
-    Relaxation relaxation(mesh, options, progress);
+    Relaxation relaxation(mesh, frame, scalar, options, progress);
     for (; report.rounds < options.max_rounds && !meeting.empty(); ++report.rounds) {
       progress.update(static_cast<double>(report.rounds) / options.max_rounds);
       const std::vector<Index> changed =

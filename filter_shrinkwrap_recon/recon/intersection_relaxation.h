@@ -10,8 +10,8 @@
 namespace shrinkwrap {
 
 struct RelaxationOptions {
-  int max_rounds = 40;
-  int steps = 4;          ///< of smoothing in a round
+  int max_rounds = 100;
+  int steps = 4;          ///< of smoothing in a round, and one more for each ring
   double weight = 0.5;    ///< of a step: part of the way to the mean of the neighbours, 0 to 1
   int rounds_a_ring = 5;  ///< after so many rounds one more ring of faces around is smoothed too
   /// If more than this part of the faces meet others, the surface is left as it is: a heap.
@@ -31,10 +31,12 @@ struct RelaxationReport {
 /// Smooths the neighbourhoods of faces that meet others, wider and wider, until none does: the
 /// folds of a parametric surface unfold, and sheets that overlap a little draw back. Faces
 /// elsewhere stay as they are, and no vertex moves if in the end no fewer faces meet others than
-/// before. What is left is repaired by `repair_self_intersections`. Finding the faces costs as much
-/// as `self_intersecting_faces`; the rest is proportional to their number, but for a flag for each
-/// face in each round. Deterministic. Pre: no removed slots.
-RelaxationReport relax_self_intersections(SurfaceMesh& mesh, const RelaxationOptions& options,
-                                          Progress& progress);
+/// before. What is left is repaired by `repair_self_intersections`. Vertices move to where the host
+/// has them, as faces might meet if they were rounded later (`frame`: the mesh's, in which its
+/// vertices are of `scalar`). Finding the faces costs as much as `self_intersecting_faces`; the
+/// rest is proportional to their number, but for a flag for each face in each round.
+/// Deterministic. Pre: no removed slots.
+RelaxationReport relax_self_intersections(SurfaceMesh& mesh, const Frame& frame, HostScalar scalar,
+                                          const RelaxationOptions& options, Progress& progress);
 
 }  // namespace shrinkwrap

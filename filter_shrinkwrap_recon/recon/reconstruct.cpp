@@ -325,15 +325,10 @@ FittedSurface fit_surface(SurfaceMesh control, const PointCloud& cloud,
   if (!is_last) return result;
   if (options.intersection_repair.enabled) {
     progress.set_part(0.85, 0.95);
-    result.relaxation = relax_self_intersections(mesh, options.relaxation, progress);
+    result.relaxation = relax_self_intersections(mesh, cloud.frame, options.host_scalar,
+                                                 options.relaxation, progress);
   }
   progress.set_part(0.95, 1.0);
-  if (result.relaxation.moved > 0) {
-    round_to_host(mesh, cloud.frame, options.host_scalar);
-    result.relaxation.remaining_faces =
-        self_intersecting_faces(mesh.position, mesh.triangles(), progress);
-    result.relaxation.faces_after = static_cast<Index>(result.relaxation.remaining_faces.size());
-  }
   measure_distances(result.surface, cloud, options.parametric_surface, progress);
   return result;
 }
