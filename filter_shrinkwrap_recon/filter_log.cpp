@@ -198,9 +198,10 @@ void tell_of_detail(const Reconstruction& result, FilterOutcome& outcome) {
 void tell_of(const SurfaceDetail& detail, FilterOutcome& outcome) {
   if (!detail.is_kept) return;
   outcome.log.push_back("a fifth of the samples are farther from the parametric surface than " +
-                        formatted("%.3f", detail.upper_fifth) +
-                        " spacings, more than noise explains: the vertices are the samples, moved "
-                        "onto it but for detail, by " +
+                        formatted("%.3f", detail.upper_fifth) + " spacings, a twentieth than " +
+                        formatted("%.3f", detail.upper_twentieth) +
+                        ", more than noise explains: the vertices are the samples, moved onto it "
+                        "but for detail, by " +
                         formatted("%.2f", detail.mean_displacement) + " spacings in the mean, " +
                         formatted("%.2f", detail.max_displacement) + " at most");
 }

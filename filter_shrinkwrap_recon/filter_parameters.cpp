@@ -303,9 +303,10 @@ std::vector<Parameter> reconstruct_parameters() {
   std::vector<Parameter> list = {
       method(),
       boolean(kStopAtSurface, "Stop at the parametric surface", false,
-              "Return the smooth surface near the samples in place of the mesh through "
-              "every sample. The better "
-              "choice when the points are noisy (more than about a quarter of their spacing)."),
+              "Return the smooth surface near the samples in place of the mesh through every "
+              "sample. The better choice when the points are noisy (more than about a quarter of "
+              "their spacing). Where it would lose the edges of a closed object, its vertices are "
+              "the samples, moved onto it but for such detail."),
       openings(),
       selected_only(),
       exclude_outliers(),

@@ -43,7 +43,7 @@ Reconstruction stopped(const std::vector<Vec3>& points, bool may_keep_detail = t
   ReconstructionOptions options;
   options.stop_at_parametric_surface = true;
   options.host_scalar = HostScalar::double_precision;
-  if (!may_keep_detail) options.samples_on_surface.farthest = INFINITY;
+  if (!may_keep_detail) options.samples_on_surface.farthest_twentieth = INFINITY;
   Progress silent;
   return reconstruct(points, options, silent);
 }
@@ -170,10 +170,17 @@ TEST(SamplesOnSurface, ARunThatStopsKeepsDetailThatTheSurfaceMisses) {
 }
 
 TEST(SamplesOnSurface, ASurfaceThatShowsAllIsTheResult) {
-  const Reconstruction result = stopped(noisy(ShapeKind::torus, 4000, 1, 0.3));
-  EXPECT_FALSE(result.surface_detail.is_kept);
-  EXPECT_GT(result.surface_detail.upper_fifth, 0.0);
-  EXPECT_LT(result.surface_detail.upper_fifth, result.noise);
+  for (const double noise : {0.0, 0.3}) {
+    SCOPED_TRACE(noise);
+    const Reconstruction result = stopped(noisy(ShapeKind::torus, 4000, 1, noise));
+    EXPECT_FALSE(result.surface_detail.is_kept);
+    EXPECT_GT(result.surface_detail.upper_fifth, 0.0);
+    EXPECT_GT(result.surface_detail.upper_twentieth, result.surface_detail.upper_fifth);
+    if (noise == 0.0)
+      EXPECT_LT(result.surface_detail.upper_twentieth, 0.06);
+    else
+      EXPECT_LT(result.surface_detail.upper_fifth, result.noise);
+  }
 }
 
 // Their surfaces have membranes, and sheets have backs, on which no sample is.

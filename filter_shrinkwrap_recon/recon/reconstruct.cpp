@@ -369,13 +369,15 @@ bool match_on_surface(FittedSurface& fitted, PointCloud& cloud, const std::vecto
   const SamplesOnSurface samples =
       move_onto_surface(fitted.surface.mesh, cloud, noise, options.samples_on_surface, progress);
   fitted.detail.upper_fifth = samples.upper_fifth;
-  if (!(samples.upper_fifth > options.samples_on_surface.farthest * noise)) return false;
+  fitted.detail.upper_twentieth = samples.upper_twentieth;
+  if (shows_its_samples(samples, noise, options.samples_on_surface)) return false;
   const std::vector<Vec3> moved = points_on_surface(samples, cloud, points, options.host_scalar);
   const std::vector<Vec3> kept = points_at(moved, cloud.input_index);
   if (match_coordinates(kept, {}, progress).samples < cloud.size()) return false;
 
   SurfaceDetail detail = displacements(cloud, points, moved);
   detail.upper_fifth = samples.upper_fifth;
+  detail.upper_twentieth = samples.upper_twentieth;
   undo_denoising(cloud, moved, options.samples.neighbours, progress);
   try {
     progress.set_part(0.3, 1.0);

@@ -101,8 +101,9 @@ struct DetailReport {
 /// Where a run stops at a parametric surface that does not show what its samples do: edges and thin
 /// parts, of which samples tell more than a smooth surface with as many vertices.
 struct SurfaceDetail {
-  double upper_fifth = 0.0;  ///< a fifth of the samples are farther from it (x local spacing)
-  bool is_kept = false;      ///< the vertices are the samples, each moved by what noise explains
+  double upper_fifth = 0.0;      ///< a fifth of the samples are farther from it (x local spacing)
+  double upper_twentieth = 0.0;  ///< and a twentieth
+  bool is_kept = false;  ///< the vertices are the samples, each moved by what noise explains
   double mean_displacement = 0.0, max_displacement = 0.0;  ///< of these, x spacing
 };
 

@@ -53,10 +53,20 @@ SamplesOnSurface move_onto_surface(const SurfaceMesh& surface, const PointCloud&
     const double stays = mean > left * left ? 1.0 - left * left / mean : 0.0;
     result.position[i] += stays * (cloud.position[i] - result.position[i]);
   });
-  const auto upper_fifth = squared_distance.begin() + static_cast<std::ptrdiff_t>(samples) * 4 / 5;
-  std::nth_element(squared_distance.begin(), upper_fifth, squared_distance.end());
-  result.upper_fifth = std::sqrt(*upper_fifth);
+  const auto least_of_upper = [&](Index part) {
+    const auto least = squared_distance.end() - (samples + part - 1) / part;
+    std::nth_element(squared_distance.begin(), least, squared_distance.end());
+    return std::sqrt(*least);
+  };
+  result.upper_fifth = least_of_upper(5);
+  result.upper_twentieth = least_of_upper(20);
   return result;
+}
+
+bool shows_its_samples(const SamplesOnSurface& samples, double noise,
+                       const SamplesOnSurfaceOptions& options) {
+  return samples.upper_fifth <= options.farthest_fifth * noise ||
+         samples.upper_twentieth <= options.farthest_twentieth;
 }
 
 }  // namespace shrinkwrap

@@ -12,14 +12,15 @@ struct SamplesOnSurfaceOptions {
   /// What denoising leaves of the noise, x the noise: `left`, and so many times the noise more. It
   /// is found of one kind around a sample, as the samples there were moved by the same others.
   double left = 0.3, left_per_noise = 6.0;
-  /// A surface shows what its samples do unless a fifth of them is farther from it than so many
-  /// times the noise.
-  double farthest = 1.0;
+  /// A surface shows what its samples do unless a fifth of them are farther from it than so many
+  /// times the noise, and a twentieth than this (x local spacing).
+  double farthest_fifth = 1.0, farthest_twentieth = 0.06;
 };
 
 struct SamplesOnSurface {
-  std::vector<Vec3> position;  ///< one per sample, as the cloud's
-  double upper_fifth = 0.0;    ///< a fifth of the samples were farther away (x local spacing)
+  std::vector<Vec3> position;    ///< one per sample, as the cloud's
+  double upper_fifth = 0.0;      ///< a fifth of the samples were farther away (x local spacing)
+  double upper_twentieth = 0.0;  ///< and a twentieth
 };
 
 /// Moves the samples of a denoised cloud onto a surface that was fitted to them, along with which
@@ -31,5 +32,9 @@ struct SamplesOnSurface {
 SamplesOnSurface move_onto_surface(const SurfaceMesh& surface, const PointCloud& cloud,
                                    double noise, const SamplesOnSurfaceOptions& options,
                                    Progress& progress);
+
+/// Whether the surface shows what the samples do that were moved onto it, by these measures.
+bool shows_its_samples(const SamplesOnSurface& samples, double noise,
+                       const SamplesOnSurfaceOptions& options);
 
 }  // namespace shrinkwrap
