@@ -97,6 +97,13 @@ TEST(DrawIn, WhatIsToBeDroppedIsInNobodysWay) {
   EXPECT_LT(-matching.mesh.position.back().z(), 1.0);
 }
 
+TEST(DrawIn, WhatIsToBeDroppedStaysWhereItIs) {
+  CompleteMatching matching = sheet_with_dent(0.5);
+  matching.opening_faces = matching.spanning_faces;
+  EXPECT_EQ(draw_in(matching), 0);
+  EXPECT_EQ(matching.mesh.position.back().z(), -kDepth);
+}
+
 TEST(DrawIn, NothingMovesThatDoesNotSpanOrCannotBeTested) {
   CompleteMatching of_surface = sheet_with_dent(0.5), untested = of_surface;
   of_surface.spanning_faces.pop_back();

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "progress.h"
@@ -36,9 +37,11 @@ class BoxTree {
   /// Calls `fn(face)` for the faces that may meet a triangle, in Morton order, until it returns
   /// true; returns whether it did. Passed over are faces whose box does not overlap the
   /// triangle's, lies all on one side of its plane, or in it beyond one of its edges: the box of a
-  /// long slanting triangle holds much that the triangle is far from.
+  /// long slanting triangle holds much that the triangle is far from. Adds to `groups`, if given,
+  /// how many groups of the tree overlap it, which is what a search costs beside its calls.
   template <class Fn>
-  bool any_near(const std::vector<Vec3>& positions, const Triangle& t, const Fn& fn) const;
+  bool any_near(const std::vector<Vec3>& positions, const Triangle& t, const Fn& fn,
+                std::int64_t* groups = nullptr) const;
 
   /// Pairs of faces whose boxes overlap are shared out among clusters of faces, some 64 each: calls
   /// `fn(f, g)`, each unordered pair once, over all clusters in [0, cluster_count()).
@@ -170,7 +173,8 @@ inline unsigned BoxTree::in_slabs(const Group& group, const Slabs& slabs, unsign
 }
 
 template <class Fn>
-bool BoxTree::any_near(const std::vector<Vec3>& positions, const Triangle& t, const Fn& fn) const {
+bool BoxTree::any_near(const std::vector<Vec3>& positions, const Triangle& t, const Fn& fn,
+                       std::int64_t* groups) const {
   if (order_.empty()) return false;
   const Box box = box_of(positions, t);
   Slabs slabs;
@@ -181,7 +185,8 @@ bool BoxTree::any_near(const std::vector<Vec3>& positions, const Triangle& t, co
   std::array<Entry, kStackSize> stack;
   int top = 0, seen = 0;
   stack[top++] = {top_level(), 0};
-  while (top > 0) {
+  bool is_found = false;
+  while (top > 0 && !is_found) {
     const Entry entry = stack[--top];
     const Group& boxes = group(entry.level, entry.group);
     unsigned hits = overlaps(boxes, box);
@@ -193,10 +198,11 @@ bool BoxTree::any_near(const std::vector<Vec3>& positions, const Triangle& t, co
         if ((hits >> lane & 1) != 0) stack[top++] = {entry.level - 1, 4 * entry.group + lane};
       continue;
     }
-    for (unsigned left = hits; left != 0; left &= left - 1)
-      if (fn(order_[4 * static_cast<std::size_t>(entry.group) + kLowestLane[left]])) return true;
+    for (unsigned left = hits; left != 0 && !is_found; left &= left - 1)
+      is_found = fn(order_[4 * static_cast<std::size_t>(entry.group) + kLowestLane[left]]);
   }
-  return false;
+  if (groups != nullptr) *groups += seen;
+  return is_found;
 }
 
 template <class Fn>

@@ -10,8 +10,8 @@ namespace shrinkwrap {
 
 struct ClosingOptions {
   /// Bounds the time: tests of pairs of triangles, some 0.2 us each; a face looked for in the tree
-  /// counts as eight, and a half-edge looked at as one. 0: two million, and 200 for each face of
-  /// the mesh; openings of scans take fewer than a tenth of that. Of what costs more, vertices
+  /// counts as eight or more, a half-edge looked at as one. 0: two million, and 200 for each face
+  /// of the mesh; openings of scans take fewer than a tenth of that. Of what costs more, vertices
   /// stay.
   std::int64_t max_tests = 0;
 };

@@ -60,14 +60,18 @@ class DrawingIn {
   std::vector<Triangle> fresh_;  // their corners
 };
 
-// Extra vertices within what spans openings.
+// Extra vertices within what spans openings, but for those that go with their faces.
 std::vector<Index> spanning_vertices(const CompleteMatching& matching, Index samples) {
   const SurfaceMesh& mesh = matching.mesh;
   std::vector<Index> vertices;
   for (Index v = samples; v < mesh.vertex_slots(); ++v) {
     const std::vector<Index> star = faces_around(mesh, {v});
-    if (std::includes(matching.spanning_faces.begin(), matching.spanning_faces.end(), star.begin(),
-                      star.end()))
+    const auto is_within = [&](const std::vector<Index>& faces) {
+      return std::all_of(star.begin(), star.end(), [&](Index f) {
+        return std::binary_search(faces.begin(), faces.end(), f);
+      });
+    };
+    if (is_within(matching.spanning_faces) && !is_within(matching.opening_faces))
       vertices.push_back(v);
   }
   return vertices;
