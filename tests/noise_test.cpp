@@ -48,6 +48,19 @@ TEST(Noise, CleanCloudsAreNotCalledNoisy) {
   }
 }
 
+TEST(Noise, FewNeighboursTellOfItToo) {
+  const std::vector<Vec3> points = noisy(ShapeKind::sphere, 5000, 5, 0.25);
+  for (const int neighbours : {9, 10, 11, 13, 14, 16}) {
+    SCOPED_TRACE(neighbours);
+    Progress silent;
+    SampleOptions options;
+    options.neighbours = neighbours;
+    PointCloud cloud = prepare_samples(points, options, silent);
+    orient_normals(cloud, {}, silent);
+    EXPECT_NEAR(estimate_noise(cloud, {}, silent).median, 0.25, 0.1);
+  }
+}
+
 // A quadric misses the more of a surface the fewer samples show it.
 TEST(Noise, CurvatureIsNotNoise) {
   for (const unsigned seed : {1u, 2u, 3u}) {

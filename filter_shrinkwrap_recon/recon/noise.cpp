@@ -120,9 +120,9 @@ NoiseEstimate estimate_with(const PointCloud& cloud, Index stride, int neighbour
   sort_known(narrow);
   sort_known(wide);
   if (wide.empty()) return {};
-  if (narrow.empty()) narrow = wide;
-  const double median =
-      variance_of_noise(narrow[narrow.size() / 2], wide[wide.size() / 2], neighbours);
+  double median = wide[wide.size() / 2];
+  if (!narrow.empty())  // not of fewer than 14 neighbours
+    median = variance_of_noise(narrow[narrow.size() / 2], median, neighbours);
   return {std::sqrt(median), std::sqrt(wide[wide.size() * 4 / 5])};
 }
 

@@ -6,6 +6,7 @@
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/boost/graph/copy_face_graph.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -30,6 +31,20 @@ Mesh to_cgal(const ResultMesh& mesh) {
     surface.add_face(vertices[static_cast<std::size_t>(a)], vertices[static_cast<std::size_t>(b)],
                      vertices[static_cast<std::size_t>(c)]);
   return surface;
+}
+
+// Moved to where the coordinates are small, if that rounds nothing: CGAL's rays are rounded, and
+// far from the origin by as much as parts may be apart.
+ResultMesh near_origin(const ResultMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : mesh.position) box.extend(p);
+  ResultMesh moved = mesh;
+  for (Vec3& p : moved.position) {
+    const Vec3 before = p;
+    p -= box.min();
+    if (p + box.min() != before || before - p != box.min()) return mesh;
+  }
+  return moved;
 }
 
 // Whether a closed surface encloses no more than moving it by the rounding of a coordinate would.
@@ -70,7 +85,7 @@ bool bounds_a_volume(const ResultMesh& mesh) {
   double largest = 0.0;
   for (const Vec3& p : mesh.position) largest = std::max(largest, p.cwiseAbs().maxCoeff());
   std::vector<Mesh> components;
-  CGAL::Polygon_mesh_processing::split_connected_components(to_cgal(mesh), components);
+  CGAL::Polygon_mesh_processing::split_connected_components(to_cgal(near_origin(mesh)), components);
   Mesh thick;
   for (const Mesh& component : components)
     if (!is_rounding(component, largest)) CGAL::copy_face_graph(component, thick);
