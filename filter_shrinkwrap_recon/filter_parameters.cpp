@@ -305,8 +305,8 @@ std::vector<Parameter> reconstruct_parameters() {
       boolean(kStopAtSurface, "Stop at the parametric surface", false,
               "Return the smooth surface near the samples in place of the mesh through every "
               "sample. The better choice when the points are noisy (more than about a quarter of "
-              "their spacing). Where it would lose the edges of a closed object, its vertices are "
-              "the samples, moved onto it but for such detail."),
+              "their spacing). Where it would lose edges that many samples show, and no opening is "
+              "spanned, its vertices are the samples, moved onto it but for such detail."),
       openings(),
       selected_only(),
       exclude_outliers(),

@@ -242,10 +242,15 @@ TEST(FilterRuns, ChainThroughTheSamplesOfANoisyCloudGivesTheBytesOfTheOneShot) {
 TEST(FilterRuns, ChainOverASheetGivesTheBytesOfTheOneShot) {
   FilterInput input;
   input.points = in_single_precision(sample_strip(600, 5, 4));
-  for (const double openings : {0.0, 1.0, 2.0}) {
-    const FilterOutcome one_shot = run(Filter::reconstruct, input, {{"Openings", openings}});
-    ASSERT_TRUE(is_told(one_shot, "and taken"));
-    const ParameterValues chain = {{"Openings", openings}, {"BacksAreOpenings", 1}};
+  for (const auto openings :
+       {CompleteMatchingOptions::Openings::close, CompleteMatchingOptions::Openings::leave_open,
+        CompleteMatchingOptions::Openings::automatic}) {
+    const auto value = static_cast<double>(openings);
+    const FilterOutcome one_shot = run(Filter::reconstruct, input, {{"Openings", value}});
+    // What is left open is found along the surface at once.
+    const bool is_taken = openings != CompleteMatchingOptions::Openings::leave_open;
+    ASSERT_EQ(is_told(one_shot, "and taken"), is_taken);
+    const ParameterValues chain = {{"Openings", value}, {"BacksAreOpenings", is_taken ? 1.0 : 0.0}};
     expect_same_bytes(one_shot.mesh, run_chain(input.points, chain).mesh);
   }
 }

@@ -183,14 +183,29 @@ TEST(SamplesOnSurface, ASurfaceThatShowsAllIsTheResult) {
   }
 }
 
-// Their surfaces have membranes, and sheets have backs, on which no sample is.
-TEST(SamplesOnSurface, OfCloudsWithOpeningsTheSurfaceIsTheResult) {
+// What spans an opening has no samples; nor has what is left open, but its membrane is no obstacle.
+TEST(SamplesOnSurface, DetailIsKeptUnlessAnOpeningIsSpanned) {
   std::vector<Vec3> points;
-  for (const Vec3& p : noisy(ShapeKind::box, 3000, 1, 0.05))
+  for (const Vec3& p : cube(12, 1, 0.1))
     if (p.z() < 0.2) points.push_back(p);
-  const Reconstruction result = stopped(points);
-  EXPECT_EQ(result.openings.spanned, 1);
-  EXPECT_FALSE(result.surface_detail.is_kept);
+  const Reconstruction spanned = stopped(points);
+  EXPECT_EQ(spanned.openings.spanned, 1);
+  EXPECT_FALSE(spanned.surface_detail.is_kept);
+
+  ReconstructionOptions options;
+  options.stop_at_parametric_surface = true;
+  options.complete_matching.openings = CompleteMatchingOptions::Openings::leave_open;
+  Progress silent;
+  const Reconstruction open = reconstruct(points, options, silent);
+  EXPECT_TRUE(open.surface_detail.is_kept);
+  EXPECT_EQ(open.mesh.position.size(), points.size());
+  EXPECT_EQ(open.report.border_loops, 1);
+  EXPECT_EQ(open.openings.left_open, 1);
+  EXPECT_EQ(open.report.self_intersecting_faces, 0);
+
+  // Nobody would know of faces that meet.
+  options.intersection_repair.enabled = false;
+  EXPECT_FALSE(reconstruct(points, options, silent).surface_detail.is_kept);
 }
 
 }  // namespace

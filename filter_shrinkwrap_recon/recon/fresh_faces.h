@@ -31,8 +31,9 @@ bool fresh_faces_cut(const SurfaceMesh& mesh, const BoxTree& boxes, const Triang
   for (const Triangle& t : fresh) {
     if (!spend(kTestsOfSearch)) return true;
     const auto cuts = [&](Index f) {
+      if (is_gone(f)) return false;
       spend(1);
-      return !is_gone(f) && pairs.meet(t, mesh.triangle(f));
+      return pairs.meet(t, mesh.triangle(f));
     };
     std::int64_t groups = 0;
     const bool is_cut = boxes.any_near(mesh.position, t, cuts, &groups);

@@ -4,12 +4,15 @@
 #include <cmath>
 
 #include "parallel.h"
+#include "parametric_surface.h"
+#include "surface_openings.h"
 
 namespace shrinkwrap {
 namespace {
 
 constexpr Index kGrain = 1 << 11;
 constexpr double kBeyond = 1.1;  // x `membrane_high`: farther samples are not looked for
+constexpr Index kFewFeet = 16;   // of a part that an opening must not cut off
 
 // Per vertex, in spacings: 0 where that is at most `membrane_low`, which the foot of a sample
 // nearby may show; as far as it matters, a little beyond `membrane_high`.
@@ -59,6 +62,99 @@ Distances measure(const SurfaceMesh& surface, const SampleFeet& feet, const Poin
   return distances;
 }
 
+// Marks the openings that show along the surface, where samples of another side may be near as the
+// crow flies. Those that would cut off a few samples are none.
+class OpeningsAlongSurface {
+ public:
+  OpeningsAlongSurface(const SurfaceMesh& surface, const SampleFeet& feet, const PointCloud& cloud,
+                       const CompleteMatchingOptions& options, Progress& progress)
+      : surface_(surface), feet_(feet) {
+    const std::vector<SurfaceMembrane> found = find_surface_membranes(
+        surface, mark_membranes(surface, cloud, ParametricSurfaceOptions(), progress), cloud,
+        options, progress);
+    for (const SurfaceMembrane& membrane : found) {
+      if (count_++ == 0) opening_of_.assign(surface.position.size(), kNone);
+      for (const Index v : membrane.vertices) opening_of_[v] = count_ - 1;
+    }
+  }
+
+  void mark(std::vector<char>& is_membrane) {
+    if (count_ == 0) return;
+    if (is_membrane.empty()) is_membrane.assign(surface_.position.size(), 0);
+    leave_out_around_feet();
+    const std::vector<char> cuts_off = find_those_that_cut_off(is_membrane);
+    for (Index v = 0; v < surface_.vertex_slots(); ++v)
+      if (opening_of_[v] != kNone && !cuts_off[opening_of_[v]]) is_membrane[v] = 1;
+  }
+
+ private:
+  // Narrower, what stays would leave samples at the rim without a face among samples.
+  void leave_out_around_feet() {
+    for (Index f = 0; f < surface_.face_slots(); ++f) {
+      if (feet_.begin[f] == feet_.begin[f + 1]) continue;
+      for (const Index v : surface_.triangle(f)) {
+        opening_of_[v] = kNone;
+        surface_.for_each_outgoing(v, [&](Index h) { opening_of_[surface_.target(h)] = kNone; });
+      }
+    }
+  }
+
+  // Per opening: whether a part of the surface with few feet hangs together with the rest through
+  // it only.
+  std::vector<char> find_those_that_cut_off(const std::vector<char>& is_membrane) const {
+    std::vector<char> cuts_off(static_cast<std::size_t>(count_), 0);
+    std::vector<char> is_seen = is_membrane;
+    std::vector<Index> part, around;  // vertices of it; openings
+    for (Index seed = 0; seed < surface_.vertex_slots(); ++seed) {
+      if (is_seen[seed] || opening_of_[seed] != kNone) continue;
+      Index corners = 0;  // of the faces with feet, each as many times as it has feet
+      around.clear();
+      part.assign(1, seed);
+      is_seen[seed] = 1;
+      for (std::size_t i = 0; i < part.size(); ++i)
+        surface_.for_each_outgoing(part[i], [&](Index h) {
+          const Index f = SurfaceMesh::face(h), u = surface_.target(h);
+          corners += feet_.begin[f + 1] - feet_.begin[f];
+          if (opening_of_[u] != kNone) around.push_back(opening_of_[u]);
+          if (is_seen[u] || opening_of_[u] != kNone) return;
+          is_seen[u] = 1;
+          part.push_back(u);
+        });
+      if (corners >= 3 * kFewFeet) continue;
+      for (const Index opening : around) cuts_off[opening] = 1;
+    }
+    return cuts_off;
+  }
+
+  const SurfaceMesh& surface_;
+  const SampleFeet& feet_;
+  Index count_ = 0;
+  std::vector<Index> opening_of_;  // per vertex; empty if there is none
+};
+
+// That hang together.
+Index count_pieces(const SurfaceMesh& surface, std::vector<char> is_membrane) {
+  Index count = 0;
+  std::vector<Index> stack;
+  for (std::size_t seed = 0; seed < is_membrane.size(); ++seed) {
+    if (!is_membrane[seed]) continue;
+    ++count;
+    is_membrane[seed] = 0;
+    stack.push_back(static_cast<Index>(seed));
+    while (!stack.empty()) {
+      const Index v = stack.back();
+      stack.pop_back();
+      surface.for_each_outgoing(v, [&](Index h) {
+        const Index u = surface.target(h);
+        if (!is_membrane[u]) return;
+        is_membrane[u] = 0;
+        stack.push_back(u);
+      });
+    }
+  }
+  return count;
+}
+
 }  // namespace
 
 Membranes find_membranes(const SurfaceMesh& surface, const SampleFeet& feet,
@@ -72,9 +168,8 @@ Membranes find_membranes(const SurfaceMesh& surface, const SampleFeet& feet,
   std::vector<Index> stack;
   for (Index seed = 0; seed < surface.vertex_slots(); ++seed) {
     if (!is_far(distance[seed])) continue;
-    if (membranes.count == 0) membranes.is_membrane.assign(distance.size(), 0);
+    if (membranes.is_membrane.empty()) membranes.is_membrane.assign(distance.size(), 0);
     if (membranes.is_membrane[seed]) continue;
-    ++membranes.count;
     membranes.is_membrane[seed] = 1;
     stack.push_back(seed);
     while (!stack.empty()) {
@@ -88,6 +183,9 @@ Membranes find_membranes(const SurfaceMesh& surface, const SampleFeet& feet,
       });
     }
   }
+  if (options.openings == CompleteMatchingOptions::Openings::leave_open)
+    OpeningsAlongSurface(surface, feet, cloud, options, progress).mark(membranes.is_membrane);
+  membranes.count = count_pieces(surface, membranes.is_membrane);
   for (Index v = 0; v < surface.vertex_slots(); ++v)
     if (is_far(distances.own_side[v]) && (membranes.count == 0 || !membranes.is_membrane[v]))
       ++membranes.backs;

@@ -18,6 +18,10 @@ struct Membranes {
 /// `backs_are_openings`) that are connected, through such vertices, to one farther than
 /// `membrane_high` (the larger of the median and the local spacing of the nearest sample). The feet
 /// of samples spare most vertices the search. O(V) expected, parallel.
+///
+/// If openings are to be left open, also those that show along the surface (surface_openings.h):
+/// where samples of another side are near, or the rims near each other. Not around the feet of
+/// samples, and none that would cut off a part with few of them. O(V log V).
 Membranes find_membranes(const SurfaceMesh& surface, const SampleFeet& feet,
                          const PointCloud& cloud, const CompleteMatchingOptions& options,
                          Progress& progress);

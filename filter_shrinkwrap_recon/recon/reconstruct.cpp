@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 #include "bodies.h"
 #include "bounding_box_start.h"
@@ -350,9 +351,9 @@ std::vector<Vec3> points_on_surface(const SamplesOnSurface& samples, const Point
 SurfaceDetail displacements(const PointCloud& cloud, const std::vector<Vec3>& points,
                             const std::vector<Vec3>& moved) {
   SurfaceDetail detail;
-  const double spacing = cloud.frame.to_input_length(cloud.spacing);
   for (const Index i : cloud.input_index) {
-    const double displacement = (moved[i] - points[i]).norm() / spacing;
+    const double displacement =
+        (cloud.frame.to_unit(moved[i]) - cloud.frame.to_unit(points[i])).norm() / cloud.spacing;
     detail.mean_displacement += displacement / static_cast<double>(cloud.size());
     detail.max_displacement = std::max(detail.max_displacement, displacement);
   }
@@ -386,12 +387,17 @@ bool match_on_surface(FittedSurface& fitted, PointCloud& cloud, const std::vecto
     OptimisedMesh optimised = optimise_matching(matching, cloud, moved, options, progress);
     RelaxationReport& relaxation = fitted.relaxation;
     RepairReport& repair = optimised.intersection_repair;
-    if (repair.faces_after > relaxation.faces_after) return false;
+    if (repair.faces_after > relaxation.faces_after || optimised.extra_vertices > 0) return false;
     relaxation.faces_after = repair.faces_after;
     relaxation.remaining_faces = std::move(repair.remaining_faces);
+    fitted.openings = optimised.openings;
     mesh = std::move(optimised.mesh);
   } catch (const ReconstructionFailed&) {
     return false;  // there is the surface
+  } catch (const InvalidInput&) {
+    return false;
+  } catch (const std::bad_alloc&) {
+    return false;
   }
   fitted.detail = detail;
   fitted.detail.is_kept = true;
@@ -402,8 +408,12 @@ bool match_on_surface(FittedSurface& fitted, PointCloud& cloud, const std::vecto
 
 ResultMesh stop_at(FittedSurface& fitted, PointCloud& cloud, const std::vector<Vec3>& points,
                    double noise, const ReconstructionOptions& options, Progress& progress) {
-  // Backs of sheets have no samples to move; and membranes were stretched for what is here.
-  if (cloud.is_denoised() && fitted.membranes.empty()) {
+  // Membranes that stay were stretched for what is here. Without repair nobody would know whether
+  // faces of the matching meet.
+  const bool are_left_open =
+      options.complete_matching.openings == CompleteMatchingOptions::Openings::leave_open;
+  if (cloud.is_denoised() && options.intersection_repair.enabled &&
+      (fitted.membranes.empty() || are_left_open)) {
     ResultMesh matched;
     if (match_on_surface(fitted, cloud, points, noise, options, matched, progress)) return matched;
   }

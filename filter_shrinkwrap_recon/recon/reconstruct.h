@@ -174,7 +174,7 @@ struct FittedSurface {
   std::vector<SurfaceMembrane> membranes;  ///< where the run stops at the surface
   RelaxationReport relaxation;
   OpeningsReport openings;  ///< that `stop_at` made
-  SurfaceDetail detail;     ///< that `stop_at` kept
+  SurfaceDetail detail;     ///< that `stop_at` kept, or measured
 };
 
 /// Makes the parametric surface, closed, and rounds it to `options.host_scalar`. Where the run
@@ -185,12 +185,13 @@ FittedSurface fit_surface(SurfaceMesh control, const PointCloud& cloud,
 
 /// Such a surface as a result, with its openings as the options said: face quality as in
 /// Reconstruction. Fills in `openings`, and counts anew which faces meet if some were dropped.
-/// Of a denoised cloud without openings that is farther from the surface than noise explains
-/// (SamplesOnSurfaceOptions), the result is instead the complete matching of the samples, which
-/// have moved onto it but for the detail; not if that had more faces that meet others. Fills in
-/// `detail` too; the cloud then has the samples where the vertices are, in the order of before.
-/// `points`: those that the cloud is of. `noise`: of `estimate_noise`. Throws ReconstructionFailed
-/// if all faces would be dropped.
+/// Of a denoised cloud without openings, or if these are left open, that is farther from the
+/// surface than noise explains (SamplesOnSurfaceOptions), the result is instead the complete
+/// matching of the samples, which have moved onto it but for the detail; not if that had more faces
+/// that meet others or vertices that are no samples, nor without `intersection_repair`, which
+/// counts them. Fills in `detail` too; the cloud then has the samples where they have moved, in the
+/// same order. `points`: those that the cloud is of. `noise`: of `estimate_noise`. Throws
+/// ReconstructionFailed if all faces would be dropped.
 ResultMesh stop_at(FittedSurface& fitted, PointCloud& cloud, const std::vector<Vec3>& points,
                    double noise, const ReconstructionOptions& options, Progress& progress);
 

@@ -33,18 +33,21 @@ Mesh to_cgal(const ResultMesh& mesh) {
   return surface;
 }
 
-// Moved to where the coordinates are small, if that rounds nothing: CGAL's rays are rounded, and
-// far from the origin by as much as parts may be apart.
-ResultMesh near_origin(const ResultMesh& mesh) {
+// Moved along each axis to where the coordinates are small, if that rounds nothing: CGAL's rays are
+// rounded, far from the origin by as much as parts may be apart.
+ResultMesh near_origin(ResultMesh mesh) {
   Eigen::AlignedBox3d box;
   for (const Vec3& p : mesh.position) box.extend(p);
-  ResultMesh moved = mesh;
-  for (Vec3& p : moved.position) {
-    const Vec3 before = p;
-    p -= box.min();
-    if (p + box.min() != before || before - p != box.min()) return mesh;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double origin = box.min()[axis];
+    const auto is_exact = [&](const Vec3& p) {
+      const double moved = p[axis] - origin;
+      return moved + origin == p[axis] && p[axis] - moved == origin;
+    };
+    if (std::all_of(mesh.position.begin(), mesh.position.end(), is_exact))
+      for (Vec3& p : mesh.position) p[axis] -= origin;
   }
-  return moved;
+  return mesh;
 }
 
 // Whether a closed surface encloses no more than moving it by the rounding of a coordinate would.

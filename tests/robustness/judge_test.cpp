@@ -48,6 +48,18 @@ TEST(Judge, FindsAComponentThatIsInsideOut) {
 }
 
 // Of samples in one plane, rounded: nobody can tell the side.
+TEST(Judge, KnowsACavityFarFromTheOrigin) {
+  for (const double offset : {0.0, 1e6, 1e9}) {
+    SCOPED_TRACE(offset);
+    const Brick brick{Vec3::Zero()};
+    Brick cavity{Vec3::Constant(0.25), Vec3::Constant(0.5)};
+    const Vec3 far(offset, 0.0, -10.0 * offset);
+    EXPECT_FALSE(bounds_a_volume(mesh_of({brick, cavity}, 1.0, far)));
+    cavity.is_inside_out = true;
+    EXPECT_TRUE(bounds_a_volume(mesh_of({brick, cavity}, 1.0, far)));
+  }
+}
+
 TEST(Judge, AComponentAsThinAsRoundingHasNoSide) {
   for (const bool is_inside_out : {false, true}) {
     const Brick brick{Vec3::Zero()};
