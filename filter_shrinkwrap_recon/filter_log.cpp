@@ -80,6 +80,12 @@ std::string surface_verdict(const char* what, const SurfaceMesh& mesh) {
          std::to_string(mesh.euler_characteristic());
 }
 
+std::string detail_verdict(const char* what, const ResultMesh& mesh) {
+  return kSucceeded + std::string(what) + " with the detail of its samples, " +
+         std::to_string(mesh.position.size()) + " vertices, " +
+         std::to_string(mesh.triangles.size()) + " faces";
+}
+
 void warn_of(const OrientationReport& report, std::vector<std::string>& warnings) {
   if (report.undecided_components > 0)
     warnings.push_back(

@@ -32,6 +32,8 @@ std::string but_outliers(const OutlierReport& report);
 
 /// The verdict of a stage that makes a surface.
 std::string surface_verdict(const char* what, const SurfaceMesh& mesh);
+/// Of a surface whose detail is kept, so that it is the mesh of samples.
+std::string detail_verdict(const char* what, const ResultMesh& mesh);
 
 void warn_of(const OrientationReport& report, std::vector<std::string>& warnings);
 void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings);

@@ -156,8 +156,9 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
       request.options.stop_at_parametric_surface ? "shrink wrap parametric surface" : "shrink wrap";
   outcome.mesh = std::move(result.mesh);
   for (StageRecord& stage : result.stages) {
-    // The last stage that made a mesh is the result itself.
-    const bool is_result = &stage == &result.stages[result.stages.size() - 2];
+    // The last stage that made a mesh is the result itself, unless the samples were matched to it.
+    const bool is_result =
+        !result.surface_detail.is_kept && &stage == &result.stages[result.stages.size() - 2];
     if (!is_result && !stage.mesh.triangles.empty()) outcome.stages.push_back(std::move(stage));
   }
   return outcome;
@@ -211,11 +212,14 @@ FilterOutcome run_parametric_surface(const FilterRequest& request, const FilterI
   outcome.marked_faces = std::move(relaxation.remaining_faces);
   if (fitted.openings.spanned + fitted.openings.left_open > 0)
     outcome.log.push_back(openings_line(fitted.openings));
-  outcome.log.push_back("distance of the vertices from the samples' surface: mean " +
-                        formatted("%.3f", surface.report.mean_distance) + ", greatest " +
-                        formatted("%.3f", surface.report.max_distance) + " spacings");
+  if (!fitted.detail.is_kept)
+    outcome.log.push_back("distance of the vertices from the samples' surface: mean " +
+                          formatted("%.3f", surface.report.mean_distance) + ", greatest " +
+                          formatted("%.3f", surface.report.max_distance) + " spacings");
   warn_of_subdivision(surface.report, cloud.size(), outcome.warnings);
-  outcome.log.push_back(surface_verdict("parametric surface", surface.mesh));
+  outcome.log.push_back(fitted.detail.is_kept
+                            ? detail_verdict("parametric surface", outcome.mesh)
+                            : surface_verdict("parametric surface", surface.mesh));
   outcome.layer_suffix = "parametric surface";
   return outcome;
 }

@@ -255,6 +255,27 @@ TEST(FilterRuns, ChainOverASheetGivesTheBytesOfTheOneShot) {
   }
 }
 
+TEST(FilterRuns, ASurfaceThatKeepsDetailIsTold) {
+  FilterInput input;
+  input.points = in_single_precision(sample_shape_blue_noise(ShapeKind::box, 600, 1));
+  const ParameterValues stop = {{"StopAtParametricSurface", 1}, {"KeepStages", 1}};
+  const FilterOutcome one_shot = run(Filter::reconstruct, input, stop);
+  const std::string told = "the vertices are the samples, moved onto it";
+  ASSERT_TRUE(is_told(one_shot, told));
+  ASSERT_EQ(one_shot.mesh.position.size(), input.points.size());
+  // The surface that it was moved onto is a stage, not the result.
+  ASSERT_FALSE(one_shot.stages.empty());
+  EXPECT_EQ(one_shot.stages.back().name, "parametric surface");
+  EXPECT_NE(one_shot.stages.back().mesh.position, one_shot.mesh.position);
+
+  FilterInput with_mesh = input;
+  for (const StageRecord& stage : one_shot.stages)
+    if (stage.name == "control mesh") with_mesh.mesh = stage.mesh;
+  const FilterOutcome alone = run(Filter::parametric_surface, with_mesh, {{"SmoothForNoise", 1}});
+  EXPECT_TRUE(is_told(alone, told));
+  EXPECT_TRUE(is_told(alone, "with the detail of its samples, 600 vertices, 1196 faces"));
+}
+
 TEST(FilterRuns, WhatSuitsAnOpenSheetIsTold) {
   FilterInput strip, torus;
   strip.points = in_single_precision(sample_strip(600, 10, 4));
