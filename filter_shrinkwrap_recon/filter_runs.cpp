@@ -92,7 +92,8 @@ PointCloud prepare_to_match(const FilterInput& input, ReconstructionOptions opti
   tell_of_spacing(cloud, outcome);
   warn_of(orient_and_smooth(cloud, options, progress).orientation, outcome.warnings);
   if (cloud.is_denoised())
-    undo_denoising(cloud, input.points, options.samples.neighbours, progress);
+    undo_denoising(cloud, input.points, options.samples.neighbours,
+                   options.orientation.plane_neighbours, progress);
   return cloud;
 }
 

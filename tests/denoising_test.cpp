@@ -117,7 +117,7 @@ TEST(Denoising, IsUndone) {
   const PointCloud before = oriented(points), moved = denoised(points);
   PointCloud cloud = moved;
   Progress silent;
-  undo_denoising(cloud, points, 16, silent);
+  undo_denoising(cloud, points, 16, 14, silent);
   EXPECT_FALSE(cloud.is_denoised());
   EXPECT_EQ(cloud.position, before.position);
   EXPECT_EQ(cloud.input_index, before.input_index);
@@ -129,6 +129,23 @@ TEST(Denoising, IsUndone) {
   for (Index i = 0; i < moved.size(); ++i) normal_of[moved.input_index[i]] = moved.normal[i];
   for (Index i = 0; i < cloud.size(); ++i)
     EXPECT_EQ(cloud.normal[i], normal_of[cloud.input_index[i]]);
+  // Each sample's plane is that of its own neighbours.
+  ASSERT_EQ(cloud.plane.size(), cloud.position.size());
+  for (Index i = 0; i < cloud.size(); ++i) {
+    EXPECT_LT((cloud.plane[i].point.cast<double>() - cloud.position[i]).norm(),
+              3.0 * cloud.spacing_at(i));
+    EXPECT_GT(cloud.plane[i].normal.dot(cloud.normal[i]), 0.5f);
+  }
+}
+
+TEST(Denoising, ASheetStaysASheet) {
+  const std::vector<Vec3> points = sample_strip(3600, 60, 4);
+  Progress silent;
+  PointCloud cloud = oriented(points);
+  const double closedness = cloud.closedness;
+  ASSERT_LT(closedness, 0.5);
+  denoise(cloud, 0.1, 16, {}, silent);
+  EXPECT_EQ(cloud.closedness, closedness);
 }
 
 TEST(Denoising, TellsHowFarTheSamplesWent) {

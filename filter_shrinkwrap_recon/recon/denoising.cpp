@@ -8,6 +8,7 @@
 #include <cstddef>
 
 #include "morton.h"
+#include "orientation.h"
 #include "parallel.h"
 
 namespace shrinkwrap {
@@ -364,6 +365,7 @@ DenoisingReport denoise(PointCloud& cloud, double noise, int neighbours,
   PointCloud next;
   next.frame = cloud.frame;
   next.conditioning = cloud.conditioning;
+  next.closedness = cloud.closedness;
   next.position.resize(places.size());
   next.input_index.resize(places.size());
   next.plane.resize(places.size());
@@ -384,7 +386,7 @@ DenoisingReport denoise(PointCloud& cloud, double noise, int neighbours,
 }
 
 void undo_denoising(PointCloud& cloud, const std::vector<Vec3>& points, int neighbours,
-                    Progress& progress) {
+                    int plane_neighbours, Progress& progress) {
   std::vector<Index> input_index(cloud.input_index.size());
   std::vector<Vec3f> normal(cloud.normal.size());
   for (Index i = 0; i < cloud.size(); ++i) {
@@ -394,11 +396,11 @@ void undo_denoising(PointCloud& cloud, const std::vector<Vec3>& points, int neig
   for (Index i = 0; i < cloud.size(); ++i)
     cloud.position[i] = cloud.frame.to_unit(points[input_index[i]]);
   cloud.input_index = std::move(input_index);
-  cloud.index_before = {};
-  cloud.plane = {};
+  cloud.index_before.clear();
   cloud.search = VoxelSearch(cloud.position, progress);
   measure_neighbourhoods(cloud, neighbours, progress);
   cloud.normal = std::move(normal);
+  measure_tangent_planes(cloud, plane_neighbours, progress);
 }
 
 }  // namespace shrinkwrap

@@ -55,10 +55,10 @@ DenoisingReport denoise(PointCloud& cloud, double noise, int neighbours,
 
 /// Moves the samples of a denoised cloud back to where the caller had them (`points`), in their
 /// order of before. The normals stay those of the surface that the samples scatter about, which
-/// tell one side of a thin limb from the other where those of noisy samples do not; planes there
-/// are none. Neighbours and spacing are those of so many `neighbours` again. Pre:
-/// `is_denoised()`. O(N). Throws Cancelled.
+/// tell one side of a thin limb from the other where those of noisy samples do not. Neighbours and
+/// spacing are those of so many `neighbours` again, tangent planes means over so many
+/// `plane_neighbours`. Pre: `is_denoised()`. O(N). Throws Cancelled.
 void undo_denoising(PointCloud& cloud, const std::vector<Vec3>& points, int neighbours,
-                    Progress& progress);
+                    int plane_neighbours, Progress& progress);
 
 }  // namespace shrinkwrap

@@ -325,11 +325,14 @@ OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& op
   report.closedness = cloud.closedness = closedness_of(cloud, votes);
 
   progress.set_range(0.85, 1.0);
-  cloud.plane.resize(cloud.position.size());
-  parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
-    cloud.plane[i] = tangent_plane(cloud, options.plane_neighbours, i);
-  });
+  measure_tangent_planes(cloud, options.plane_neighbours, progress);
   return report;
+}
+
+void measure_tangent_planes(PointCloud& cloud, int neighbours, Progress& progress) {
+  cloud.plane.resize(cloud.position.size());
+  parallel_for_each(cloud.size(), kGrain, progress,
+                    [&](Index i) { cloud.plane[i] = tangent_plane(cloud, neighbours, i); });
 }
 
 }  // namespace shrinkwrap

@@ -50,4 +50,8 @@ struct OrientationReport {
 OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& options,
                                  Progress& progress);
 
+/// The tangent planes alone, Gaussian means over so many `neighbours`. Pre: the normals are
+/// oriented. O(N), parallel.
+void measure_tangent_planes(PointCloud& cloud, int neighbours, Progress& progress);
+
 }  // namespace shrinkwrap

@@ -37,6 +37,7 @@ void keep(const std::vector<Kept>& kept, PointCloud& cloud, OutlierReport& repor
   PointCloud next;
   next.frame = cloud.frame;
   next.conditioning = cloud.conditioning;
+  next.closedness = cloud.closedness;
   std::vector<Vec3f> normal;
   for (const Index i : order) {
     const bool is_new = i >= cloud.size();

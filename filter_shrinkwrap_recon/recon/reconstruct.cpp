@@ -178,7 +178,8 @@ void match_smoothed(PointCloud& cloud, const std::vector<Vec3>& points, const No
   ReconstructionOptions to_match = options;  // whatever then becomes of the openings
   to_match.complete_matching.openings = CompleteMatchingOptions::Openings::close;
   FittedSurface fitted = make_surface(cloud, to_match, result, log, progress);
-  undo_denoising(cloud, points, options.samples.neighbours, progress);
+  undo_denoising(cloud, points, options.samples.neighbours, options.orientation.plane_neighbours,
+                 progress);
   match_sheets(std::move(fitted.surface.mesh), cloud, points, options, result, log, progress);
 }
 
@@ -379,7 +380,8 @@ bool match_on_surface(FittedSurface& fitted, PointCloud& cloud, const std::vecto
   SurfaceDetail detail = displacements(cloud, points, moved);
   detail.upper_fifth = samples.upper_fifth;
   detail.upper_twentieth = samples.upper_twentieth;
-  undo_denoising(cloud, moved, options.samples.neighbours, progress);
+  undo_denoising(cloud, moved, options.samples.neighbours, options.orientation.plane_neighbours,
+                 progress);
   try {
     progress.set_part(0.3, 1.0);
     CompleteMatching matching =
