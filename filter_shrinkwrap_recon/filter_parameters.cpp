@@ -286,9 +286,10 @@ Parameter attraction() {
 Parameter crease_angle() {
   return advanced(number(
       Kind::real, kCreaseAngle, "Crease angle (degrees; below 0: automatic)", -1.0, -1.0, 180.0,
-      "Edges at which faces bend less than this are chosen for the shape of their triangles "
-      "(Delaunay, if no angle is below 25 degrees then), after the method's own choice, which "
-      "follows the bends of the surface. 0: that choice stays. Raised: better shaped triangles, "
+      "Edges are chosen for the shape of their triangles (Delaunay) where no other edges bend by "
+      "more than this then, after the method's own choice, which follows the bends of the surface; "
+      "edges that bend by more, and where angles would be below 25 degrees, only if they bend by "
+      "no more than 1.3 times as much then. 0: that choice stays. Raised: better shaped triangles, "
       "fewer edges kept sharp. Below 0: what the method has (Robust 40, As in the paper 0). Can be "
       "applied to a finished mesh. Unit: degrees; range 0 to 180."));
 }

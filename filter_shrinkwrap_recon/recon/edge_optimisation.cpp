@@ -40,6 +40,18 @@ std::vector<Vec3f> normals_of_vertices(const SurfaceMesh& mesh,
   return normals;
 }
 
+// The angle between two unit normals. From the chord, which is well conditioned at small angles:
+// arc sine (chord / 2) = quarter turn - arc cosine (chord / 2).
+double angle_of_chord(double chord) {
+  return 2.0 * std::max(kHalfPi - arc_cosine_of_positive(0.5 * chord), 0.0);
+}
+float angle_between(const Vec3f& m, const Vec3f& n) {
+  return static_cast<float>(angle_of_chord(static_cast<double>((m - n).norm())));
+}
+double angle_between(const Vec3& m, const Vec3& n) {
+  return angle_of_chord((m - n).norm());
+}
+
 // Length x |dihedral angle| of five edges, and the shape of two triangles. What a flip needs of
 // the present state is kept: the unit normal and shape of each face, the bending of each edge.
 class BendingCriterion {
@@ -151,13 +163,6 @@ class BendingCriterion {
     return Vec3(area / twice_area).cast<float>();
   }
 
-  // Of the angle between two unit normals. From the chord, which is well conditioned at small
-  // angles: arc sine (chord / 2) = quarter turn - arc cosine (chord / 2).
-  static float angle_between(const Vec3f& m, const Vec3f& n) {
-    const double half_chord = 0.5 * static_cast<double>((m - n).norm());
-    return static_cast<float>(2.0 * std::max(kHalfPi - arc_cosine_of_positive(half_chord), 0.0));
-  }
-
   void set_bending(Index h, float bending) { bending_[h] = bending_[mesh_.twin(h)] = bending; }
 
   SurfaceMesh& mesh_;
@@ -238,35 +243,45 @@ class QuadricCriterion {
   std::vector<Quadric> quadric_;  // per vertex
 };
 
-// Delaunay, but for creases: no edge goes that bends by more than the crease angle, no side of its
-// hinge bends by more than that, or than before, after it. No angle becomes smaller than the least.
+// Delaunay, but for creases: see EdgeOptimisationOptions.
 class DelaunayCriterion {
  public:
   DelaunayCriterion(SurfaceMesh& mesh, const EdgeOptimisationOptions& options)
       : mesh_(mesh),
         crease_cosine_(std::cos(options.crease_angle)),
-        least_cosine_(std::cos(options.least_angle)) {}
+        least_cosine_(std::cos(options.least_angle)),
+        most_bending_(options.most_bending) {}
 
   bool try_flip(const Hinge& hinge) {
     if (!wants_delaunay_flip(mesh_, hinge.diagonal)) return false;
-    const auto [bc, ca, ad, db] = hinge.side;
-    const Vec3 &a = mesh_.position[hinge.corner[0]], &b = mesh_.position[hinge.corner[1]],
-               &c = mesh_.position[hinge.corner[2]], &d = mesh_.position[hinge.corner[3]];
-    if (std::max(cosine_of_smallest_angle(d, c, a), cosine_of_smallest_angle(c, d, b)) >
-        least_cosine_)
-      return false;
+    const auto [ia, ib, ic, id] = hinge.corner;
+    const Vec3 &a = mesh_.position[ia], &b = mesh_.position[ib], &c = mesh_.position[ic],
+               &d = mesh_.position[id];
     const Vec3 old_first = normal_of(hinge.diagonal),
                old_second = normal_of(hinge.opposite_diagonal),
                new_first = unit_or_zero((c - d).cross(a - d)),
                new_second = unit_or_zero((b - d).cross(c - d));
-    if (old_first.dot(old_second) < crease_cosine_) return false;
-    const auto creases = [&](Index side, const Vec3& after, const Vec3& before) {
-      const Vec3 beyond = normal_of(mesh_.twin(side));
-      return is_creased(after.dot(beyond), before.dot(beyond));
-    };
-    if (creases(ca, new_first, old_first) || creases(bc, new_second, old_first) ||
-        creases(ad, new_first, old_second) || creases(db, new_second, old_second))
-      return false;
+    // In the order of Hinge::side.
+    std::array<Vec3, 4> beyond;
+    for (int k = 0; k < 4; ++k) beyond[k] = normal_of(mesh_.twin(hinge.side[k]));
+    const std::array<const Vec3*, 4> before = {&old_first, &old_first, &old_second, &old_second},
+                                     after = {&new_second, &new_first, &new_first, &new_second};
+    for (int k = 0; k < 4; ++k)
+      if (is_creased(after[k]->dot(beyond[k]), before[k]->dot(beyond[k]))) return false;
+
+    const double narrowest =
+        std::max(cosine_of_smallest_angle(d, c, a), cosine_of_smallest_angle(c, d, b));
+    if (narrowest > least_cosine_ || old_first.dot(old_second) < crease_cosine_) {
+      const std::array<double, 4> length = {(c - b).norm(), (a - c).norm(), (d - a).norm(),
+                                            (b - d).norm()};
+      double bending_before = (b - a).norm() * angle_between(old_first, old_second),
+             bending_after = (d - c).norm() * angle_between(new_first, new_second);
+      for (int k = 0; k < 4; ++k) {
+        bending_before += length[k] * angle_between(*before[k], beyond[k]);
+        bending_after += length[k] * angle_between(*after[k], beyond[k]);
+      }
+      if (!(bending_after <= most_bending_ * bending_before)) return false;
+    }
     if (!mesh_.is_flip_legal(hinge.diagonal)) return false;
     mesh_.flip(hinge.diagonal);
     return true;
@@ -279,7 +294,7 @@ class DelaunayCriterion {
   }
 
   SurfaceMesh& mesh_;
-  double crease_cosine_, least_cosine_;
+  double crease_cosine_, least_cosine_, most_bending_;
 };
 
 // Looks at every edge, and again at those around each flip, until no flip helps.

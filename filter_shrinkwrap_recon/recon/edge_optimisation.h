@@ -25,13 +25,17 @@ struct EdgeOptimisationOptions {
   // What follows: triangles that are well shaped for it. Where the samples are the vertices of a
   // mesh of such triangles, this is nearer to it, often by half; of the surface beneath, least
   // bending tells more (up to a quarter of the distance, the more the more evenly samples are
-  // spread). Both in radians.
-  /// Above 0: when no flip lowers the criterion, edges become Delaunay wherever they bend by
-  /// less than this, and without them no side of their hinge bends by more than this, or than
-  /// before. 0: the criterion has the last word.
+  // spread).
+  /// Above 0 (radians): when no flip lowers the criterion, edges become Delaunay where without them
+  /// no side of their hinge bends by more than this, or than before. 0: the criterion has the last
+  /// word.
   double crease_angle = 40.0 * kPi / 180.0;
-  /// That is not done where one of the two faces would have a smaller angle than this.
+  /// Where the edge bends by more than the crease angle, or one of the two faces would have a
+  /// smaller angle than this (radians) ...
   double least_angle = 25.0 * kPi / 180.0;
+  /// ... that is done only if the five edges then bend by no more than so many times as much as
+  /// before.
+  double most_bending = 1.3;
 };
 
 struct EdgeOptimisationReport {
