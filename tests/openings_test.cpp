@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "expect_mesh.h"
@@ -70,6 +71,33 @@ TEST(Openings, ANarrowOneIsSpannedByFacesThatTellTheirWidth) {
     }
     EXPECT_NEAR(area_below, 3.14159, 0.05) << "the disc under the hemisphere";
     EXPECT_NEAR(widest, result.openings.longest_edge, 1e-4);
+  }
+}
+
+// A sphere without the samples so near its north pole (x spacing, along the chord).
+Reconstruction left_open(double radius, unsigned seed) {
+  std::vector<Vec3> points = sample_shape_blue_noise(ShapeKind::sphere, kSamples, seed);
+  const double spacing = std::sqrt(4.0 * kPi / kSamples);
+  points.erase(
+      std::remove_if(points.begin(), points.end(),
+                     [&](const Vec3& p) { return (p - Vec3::UnitZ()).norm() < radius * spacing; }),
+      points.end());
+  ReconstructionOptions options;
+  options.complete_matching.openings = CompleteMatchingOptions::Openings::leave_open;
+  Progress silent;
+  return reconstruct(points, options, silent);
+}
+
+// Around an opening samples seem farther apart than they are, as half of their neighbours are
+// missing: those nine spacings wide were closed.
+TEST(Openings, OfNineSpacingsAreLeftOpen) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    SCOPED_TRACE(seed);
+    const Reconstruction open = left_open(4.5, seed), narrow = left_open(2.5, seed);
+    EXPECT_EQ(open.report.border_loops, 1);
+    EXPECT_TRUE(open.report.manifold());
+    EXPECT_EQ(open.complete_matching.extra_vertices, 0);
+    EXPECT_EQ(narrow.report.border_loops, 0);
   }
 }
 

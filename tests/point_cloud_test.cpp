@@ -268,6 +268,26 @@ TEST(PrepareSamples, SpacingIsThatOfARegularGrid) {
   EXPECT_NEAR(cloud.frame.to_input_length(cloud.spacing), 1.0, 0.15);
 }
 
+// Along the rim of a scan, half of the neighbours are missing.
+TEST(PrepareSamples, SpacingBesideIsNotThatOfTheRim) {
+  const PointCloud cloud = prepare(sample_shape_blue_noise(ShapeKind::hemisphere, 4000, 3));
+  double at = 0.0, beside = 0.0, inside = 0.0;  // means, x the median
+  Index rim = 0;
+  for (Index i = 0; i < cloud.size(); ++i) {
+    EXPECT_GE(cloud.spacing_beside(i), cloud.spacing);
+    EXPECT_LE(cloud.spacing_beside(i), cloud.spacing_at(i));
+    const bool is_at_rim = std::abs(cloud.frame.to_input(cloud.position[i]).z()) <
+                           0.5 * cloud.frame.to_input_length(cloud.spacing);
+    rim += is_at_rim;
+    (is_at_rim ? beside : inside) += cloud.spacing_beside(i) / cloud.spacing;
+    if (is_at_rim) at += cloud.spacing_at(i) / cloud.spacing;
+  }
+  ASSERT_GT(rim, 30);
+  EXPECT_GT(at / rim, 1.25);
+  EXPECT_LT(beside / rim, 1.15);
+  EXPECT_LT(inside / (cloud.size() - rim), 1.05);
+}
+
 TEST(PrepareSamples, GivesTheSameBytesForAnyNumberOfThreads) {
   const std::vector<Vec3> points = sample_shape(ShapeKind::double_torus, 20000, 21);
   const PointCloud many = prepare(points);

@@ -102,7 +102,7 @@ TEST(SurfaceOpenings, FoundWhereNoSampleIs) {
     EXPECT_TRUE(is_in || z < 0.5 + 2.0 * spacing);
     EXPECT_FALSE(is_in && z < 0.5 - spacing);
   }
-  EXPECT_EQ(open_sphere(0.97).openings(), 0) << "a hole a few spacings across";
+  EXPECT_EQ(open_sphere(0.98).openings(), 0) << "a hole a few spacings across";
 }
 
 TEST(SurfaceOpenings, AVoteStraightensTheOutline) {
@@ -219,7 +219,7 @@ TEST(SurfaceOpenings, LeaveOpenDropsThem) {
 
 TEST(SurfaceOpenings, NarrowOnesAreNone) {
   for (const Openings openings : {Openings::close, Openings::leave_open, Openings::automatic}) {
-    OpenScan scan = open_sphere(0.97);
+    OpenScan scan = open_sphere(0.98);
     const SurfaceOpenings decided = scan.cut(openings, 1.0);
     EXPECT_TRUE(decided.spanning_faces.empty());
     EXPECT_EQ(decided.report.spanned + decided.report.left_open, 0);

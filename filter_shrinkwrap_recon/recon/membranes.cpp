@@ -14,18 +14,19 @@ constexpr Index kGrain = 1 << 11;
 constexpr double kBeyond = 1.1;  // x `membrane_high`: farther samples are not looked for
 constexpr Index kFewFeet = 16;   // of a part that an opening must not cut off
 
-// Per vertex, in spacings: 0 where that is at most `membrane_low`, which the foot of a sample
-// nearby may show; as far as it matters, a little beyond `membrane_high`.
-struct Distances {
-  std::vector<float> any;       // from the samples
-  std::vector<float> own_side;  // from those that look to the same side
+// Of a vertex: how far samples are.
+enum Level : char { kNear, kBeyondLow, kBeyondHigh };  // `membrane_low`, `membrane_high`
+
+struct Levels {
+  std::vector<Level> any;       // from the samples
+  std::vector<Level> own_side;  // from those that look to the same side
 };
 
-Distances measure(const SurfaceMesh& surface, const SampleFeet& feet, const PointCloud& cloud,
-                  const CompleteMatchingOptions& options, Progress& progress) {
-  Distances distances;
-  distances.any.resize(surface.position.size(), 0.0f);
-  distances.own_side.resize(surface.position.size(), 0.0f);
+Levels measure(const SurfaceMesh& surface, const SampleFeet& feet, const PointCloud& cloud,
+               const CompleteMatchingOptions& options, Progress& progress) {
+  Levels levels;
+  levels.any.resize(surface.position.size(), kNear);
+  levels.own_side.resize(surface.position.size(), kNear);
   // Planes through all the samples there are tell no side.
   const bool has_sides = cloud.size() > cloud.neighbour_count;
   const double low = options.membrane_low, beyond = kBeyond * options.membrane_high;
@@ -47,19 +48,21 @@ Distances measure(const SurfaceMesh& surface, const SampleFeet& feet, const Poin
     } while (h != first);
     const VoxelSearch::Hit nearest = cloud.search.nearest(p);
     const double spacing = cloud.spacing_at(nearest.index);
-    const auto in_spacings = [&](const VoxelSearch::Hit& hit) {
-      const double distance = std::sqrt(hit.squared_distance) / spacing;
-      return distance > low ? static_cast<float>(distance) : 0.0f;
+    const auto level_of = [&](const VoxelSearch::Hit& hit) {
+      const double distance = std::sqrt(hit.squared_distance);
+      if (distance <= low * spacing) return kNear;
+      const double high = options.membrane_high * cloud.spacing_beside(nearest.index);
+      return distance > high ? kBeyondHigh : kBeyondLow;
     };
-    distances.any[v] = distances.own_side[v] = in_spacings(nearest);
+    levels.any[v] = levels.own_side[v] = level_of(nearest);
     const Vec3f normal = surface.vertex_normal(v).cast<float>();
     const auto is_compatible = [&](Index i) { return cloud.normal[i].dot(normal) > 0.0f; };
     if (!has_sides || is_compatible(nearest.index)) return;
     const VoxelSearch::Hit other = cloud.search.nearest_if(p, beyond * spacing, is_compatible);
-    distances.own_side[v] = std::max(
-        distances.any[v], other.index == kNone ? static_cast<float>(beyond) : in_spacings(other));
+    levels.own_side[v] =
+        other.index == kNone ? kBeyondHigh : std::max(levels.any[v], level_of(other));
   });
-  return distances;
+  return levels;
 }
 
 // Marks the openings that show along the surface, where samples of another side may be near as the
@@ -160,15 +163,13 @@ Index count_pieces(const SurfaceMesh& surface, std::vector<char> is_membrane) {
 Membranes find_membranes(const SurfaceMesh& surface, const SampleFeet& feet,
                          const PointCloud& cloud, const CompleteMatchingOptions& options,
                          Progress& progress) {
-  const Distances distances = measure(surface, feet, cloud, options, progress);
-  const std::vector<float>& distance =
-      options.backs_are_openings ? distances.own_side : distances.any;
-  const auto is_far = [&](float spacings) { return spacings > options.membrane_high; };
+  const Levels levels = measure(surface, feet, cloud, options, progress);
+  const std::vector<Level>& level = options.backs_are_openings ? levels.own_side : levels.any;
   Membranes membranes;
   std::vector<Index> stack;
   for (Index seed = 0; seed < surface.vertex_slots(); ++seed) {
-    if (!is_far(distance[seed])) continue;
-    if (membranes.is_membrane.empty()) membranes.is_membrane.assign(distance.size(), 0);
+    if (level[seed] != kBeyondHigh) continue;
+    if (membranes.is_membrane.empty()) membranes.is_membrane.assign(level.size(), 0);
     if (membranes.is_membrane[seed]) continue;
     membranes.is_membrane[seed] = 1;
     stack.push_back(seed);
@@ -177,7 +178,7 @@ Membranes find_membranes(const SurfaceMesh& surface, const SampleFeet& feet,
       stack.pop_back();
       surface.for_each_outgoing(v, [&](Index h) {
         const Index u = surface.target(h);
-        if (membranes.is_membrane[u] || distance[u] <= 0.0f) return;
+        if (membranes.is_membrane[u] || level[u] == kNear) return;
         membranes.is_membrane[u] = 1;
         stack.push_back(u);
       });
@@ -187,7 +188,7 @@ Membranes find_membranes(const SurfaceMesh& surface, const SampleFeet& feet,
     OpeningsAlongSurface(surface, feet, cloud, options, progress).mark(membranes.is_membrane);
   membranes.count = count_pieces(surface, membranes.is_membrane);
   for (Index v = 0; v < surface.vertex_slots(); ++v)
-    if (is_far(distances.own_side[v]) && (membranes.count == 0 || !membranes.is_membrane[v]))
+    if (levels.own_side[v] == kBeyondHigh && (membranes.count == 0 || !membranes.is_membrane[v]))
       ++membranes.backs;
   return membranes;
 }

@@ -16,8 +16,9 @@ struct Membranes {
 
 /// Marks vertices farther than `membrane_low` spacings from every sample (of their own side, if
 /// `backs_are_openings`) that are connected, through such vertices, to one farther than
-/// `membrane_high` (the larger of the median and the local spacing of the nearest sample). The feet
-/// of samples spare most vertices the search. O(V) expected, parallel.
+/// `membrane_high` (the larger of the median and the local spacing, for `membrane_low` that at the
+/// nearest sample, for `membrane_high` that beside it). The feet of samples spare most vertices the
+/// search. O(V) expected, parallel.
 ///
 /// If openings are to be left open, also those that show along the surface (surface_openings.h):
 /// where samples of another side are near, or the rims near each other. Not around the feet of

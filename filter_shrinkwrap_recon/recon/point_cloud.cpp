@@ -286,4 +286,13 @@ std::vector<Vec3> points_at(const std::vector<Vec3>& points,
   return result;
 }
 
+double PointCloud::spacing_beside(Index sample) const {
+  std::vector<float> around;
+  const Index* list = neighbours_of(sample);
+  for (int e = 0; e < neighbour_count; ++e) around.push_back(local_spacing[list[e]]);
+  const auto median = around.begin() + neighbour_count / 2;
+  std::nth_element(around.begin(), median, around.end());
+  return std::max(spacing, static_cast<double>(std::min(*median, local_spacing[sample])));
+}
+
 }  // namespace shrinkwrap

@@ -63,7 +63,7 @@ struct Nearest {
       if (!is_near_one) return;
       const VoxelSearch::Hit hit = cloud.search.nearest(surface.position[v]);
       distance[v] = static_cast<float>(std::sqrt(hit.squared_distance));
-      spacing[v] = static_cast<float>(cloud.spacing_at(hit.index));
+      spacing[v] = static_cast<float>(cloud.spacing_beside(hit.index));
     });
   }
 };
