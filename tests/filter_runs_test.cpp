@@ -267,11 +267,9 @@ TEST(FilterRuns, ASurfaceThatKeepsDetailIsTold) {
   ASSERT_FALSE(one_shot.stages.empty());
   EXPECT_EQ(one_shot.stages.back().name, "parametric surface");
   EXPECT_NE(one_shot.stages.back().mesh.position, one_shot.mesh.position);
-
-  FilterInput with_mesh = input;
   for (const StageRecord& stage : one_shot.stages)
-    if (stage.name == "control mesh") with_mesh.mesh = stage.mesh;
-  const FilterOutcome alone = run(Filter::parametric_surface, with_mesh, {{"SmoothForNoise", 1}});
+    if (stage.name == "control mesh") input.mesh = stage.mesh;
+  const FilterOutcome alone = run(Filter::parametric_surface, input, {{"SmoothForNoise", 1}});
   EXPECT_TRUE(is_told(alone, told));
   EXPECT_TRUE(is_told(alone, "with the detail of its samples, 600 vertices, 1196 faces"));
 }

@@ -113,6 +113,7 @@ TEST(OutliersOnSurface, TheCloudIsThatOfAllTheSamples) {
   const PointCloud whole = prepare_samples(points, {}, silent);
   Cleaned some = cleaned(points);
   ASSERT_EQ(some.cloud.size(), whole.size() - kAloneCount);
+  some.cloud.closedness = 0.25;
   EXPECT_EQ(keep_outliers_on_surface(some.cloud, some.report, points,
                                      cube_surface(some.cloud.frame), {}, silent),
             kAloneCount);
@@ -122,6 +123,7 @@ TEST(OutliersOnSurface, TheCloudIsThatOfAllTheSamples) {
   EXPECT_EQ(some.cloud.neighbour, whole.neighbour);
   EXPECT_EQ(some.cloud.local_spacing, whole.local_spacing);
   EXPECT_EQ(some.cloud.spacing, whole.spacing);
+  EXPECT_EQ(some.cloud.closedness, 0.25);
   ASSERT_EQ(some.cloud.plane.size(), whole.position.size());
   const PointCloud others = cleaned(points).cloud;
   Index other = 0;
