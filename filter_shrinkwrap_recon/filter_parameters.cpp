@@ -33,6 +33,7 @@ constexpr char kControlVertices[] = "ControlVertices";
 constexpr char kFitIterations[] = "FitIterations";
 constexpr char kAttraction[] = "Attraction";
 constexpr char kCreaseAngle[] = "CreaseAngle";
+constexpr char kLeastGap[] = "LeastGap";
 constexpr char kRepairIntersections[] = "RepairIntersections";
 constexpr char kCountIntersections[] = "CountIntersections";
 constexpr char kFailIfIncomplete[] = "FailIfIncomplete";
@@ -289,9 +290,20 @@ Parameter crease_angle() {
       "Edges are chosen for the shape of their triangles (Delaunay) where no other edges bend by "
       "more than this then, after the method's own choice, which follows the bends of the surface; "
       "edges that bend by more, and where angles would be below 25 degrees, only if they bend by "
-      "no more than 1.3 times as much then. 0: that choice stays. Raised: better shaped triangles, "
+      "no more than 1.3 times as much then. 0: nowhere. Raised: better shaped triangles, "
       "fewer edges kept sharp. Below 0: what the method has (Robust 40, As in the paper 0). Can be "
       "applied to a finished mesh. Unit: degrees; range 0 to 180."));
+}
+
+Parameter least_gap() {
+  return advanced(number(
+      Kind::real, kLeastGap, "Least gap between diagonals (below 0: automatic)", -1.0, -1.0, 1.0,
+      "Where the two diagonals of a pair of faces pass each other at a distance of at least this, "
+      "and of at least five times the median of all, the one is taken that is nearer to the "
+      "surface as the tangent planes of the four vertices tell it. 0: wherever they differ, which "
+      "is nearer to a smooth surface, with narrower triangles. Raised: only where a wrong choice "
+      "would show. 1: nowhere. Below 0: what the method has (Robust 0.03, As in the paper 1). Can "
+      "be applied to a finished mesh. Unit: mean length of the diagonals; range 0 to 1."));
 }
 
 void append(std::vector<Parameter>& list, const std::vector<Parameter>& more) {
@@ -466,6 +478,7 @@ std::vector<Parameter> parameters_of(Filter filter) {
               widest_opening(),
               neighbours(),
               crease_angle(),
+              least_gap(),
               repair_intersections()};
       break;
     case Filter::matching_report:
@@ -526,9 +539,11 @@ FilterRequest request_of(Filter filter, const ParameterValues& values) {
   reader.read(kControlVertices, options.control_mesh.target_vertices);
   reader.read(kFitIterations, options.parametric_surface.iterations);
   if (reader.is_on(kAttraction)) reader.read(kAttraction, options.parametric_surface.attraction);
-  double degrees = -1.0;
+  double degrees = -1.0, gap = -1.0;
   reader.read(kCreaseAngle, degrees);
   if (degrees >= 0.0) options.edge_optimisation.crease_angle = degrees * kPi / 180.0;
+  reader.read(kLeastGap, gap);
+  if (gap >= 0.0) options.edge_optimisation.least_gap = gap;
   reader.read(kRepairIntersections, options.intersection_repair.enabled);
   reader.read(kCountIntersections, options.report.count_self_intersections);
   int openings = static_cast<int>(options.complete_matching.openings);

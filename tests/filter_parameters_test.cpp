@@ -89,6 +89,7 @@ TEST(FilterParameters, DefaultsAreTheLibrarys) {
     EXPECT_EQ(options.parametric_surface.attraction, expected.parametric_surface.attraction);
     EXPECT_EQ(options.complete_matching.openings, expected.complete_matching.openings);
     EXPECT_EQ(options.edge_optimisation.crease_angle, expected.edge_optimisation.crease_angle);
+    EXPECT_EQ(options.edge_optimisation.least_gap, expected.edge_optimisation.least_gap);
     EXPECT_EQ(options.report.count_self_intersections, expected.report.count_self_intersections);
     EXPECT_EQ(options.stop_at_parametric_surface, expected.stop_at_parametric_surface);
     EXPECT_EQ(options.keep_stages, expected.keep_stages);
@@ -109,10 +110,13 @@ TEST(FilterParameters, PaperMethodKeepsThePapersConstants) {
   EXPECT_EQ(options.complete_matching.method, paper.complete_matching.method);
   EXPECT_EQ(options.edge_optimisation.criterion, paper.edge_optimisation.criterion);
   EXPECT_EQ(paper.edge_optimisation.crease_angle, 0.0);
+  EXPECT_EQ(paper.edge_optimisation.least_gap, 1.0);
   ParameterValues of_edges = default_values(Filter::edge_optimisation);
   of_edges["Method"] = 1;
   EXPECT_EQ(request_of(Filter::edge_optimisation, of_edges).options.edge_optimisation.crease_angle,
             0.0);
+  EXPECT_EQ(request_of(Filter::edge_optimisation, of_edges).options.edge_optimisation.least_gap,
+            1.0);
 }
 
 TEST(FilterParameters, ValuesReachTheirOption) {
@@ -148,6 +152,9 @@ TEST(FilterParameters, ValuesReachTheirOption) {
   EXPECT_DOUBLE_EQ(crease_angle(), kPi / 4.0);
   of_edges["CreaseAngle"] = 0;
   EXPECT_EQ(crease_angle(), 0.0);
+  of_edges["LeastGap"] = 0;
+  EXPECT_EQ(request_of(Filter::edge_optimisation, of_edges).options.edge_optimisation.least_gap,
+            0.0);
 }
 
 // The host of 2020.09 folds nothing away: a row is some 31 pixels, and 16 are 500.

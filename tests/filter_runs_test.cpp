@@ -497,17 +497,21 @@ TEST(FilterRuns, EdgeOptimisationTakesMeshesOfAnyStageAndKeepsThePromise) {
   EXPECT_EQ(border_loops(), 0);
 }
 
-TEST(FilterRuns, CreaseAngleSuitsAFinishedMesh) {
+TEST(FilterRuns, EdgesOfAFinishedMeshAreChosenAnew) {
   FilterInput input;
   input.points = in_single_precision(sample_shape(ShapeKind::double_torus, 3000, 12));
   const FilterInput finished = through_layer(input.points, run(Filter::reconstruct, input));
-  const FilterOutcome bent = run(Filter::edge_optimisation, finished, {{"CreaseAngle", 0}});
+  const ParameterValues bending_alone = {{"CreaseAngle", 0}, {"LeastGap", 1}};
+  const FilterOutcome bent = run(Filter::edge_optimisation, finished, bending_alone);
   EXPECT_NE(bent.mesh.triangles, finished.mesh.triangles);
   EXPECT_EQ(std::get<Index>(bent.figures.at("samples_matched")), 3000);
   const FilterInput as_bent = through_layer(input.points, bent);
-  EXPECT_EQ(run(Filter::edge_optimisation, as_bent, {{"CreaseAngle", 0}}).mesh.triangles,
+  EXPECT_EQ(run(Filter::edge_optimisation, as_bent, bending_alone).mesh.triangles,
             bent.mesh.triangles);
-  EXPECT_NE(run(Filter::edge_optimisation, as_bent).mesh.triangles, bent.mesh.triangles);
+  EXPECT_NE(run(Filter::edge_optimisation, as_bent, {{"LeastGap", 1}}).mesh.triangles,
+            bent.mesh.triangles);
+  EXPECT_NE(run(Filter::edge_optimisation, as_bent, {{"CreaseAngle", 0}}).mesh.triangles,
+            bent.mesh.triangles);
 }
 
 TEST(FilterRuns, ThePaperClosesEveryOpeningAndSaysSo) {

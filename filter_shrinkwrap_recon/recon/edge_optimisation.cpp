@@ -15,6 +15,7 @@ namespace {
 constexpr Index kGrain = 1 << 12;
 constexpr Index kLooksPerEdge = 30;
 constexpr Index kProgressStride = 1 << 12;
+constexpr double kGapOfRounding = 1e-5;
 
 // The two faces of an edge before and after its flip: (a, b, c) and (b, a, d) become (d, c, a) and
 // (c, d, b).
@@ -297,6 +298,126 @@ class DelaunayCriterion {
   double crease_cosine_, least_cosine_, most_bending_;
 };
 
+// Where the diagonals ab and cd of a hinge pass each other.
+struct Crossing {
+  bool is_inside = false;           ///< of both diagonals; nothing else is known if not
+  double on_ab = 0.0, on_cd = 0.0;  ///< the nearest points are a + on_ab (b - a), c + on_cd (d - c)
+  Vec3 middle, across;              ///< between these points; unit, square to both diagonals
+  double gap = 0.0;                 ///< of cd over ab, along `across`
+  double relative_gap = 0.0;        ///< |gap|, x the geometric mean of their lengths
+};
+
+Crossing crossing_of(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  constexpr double kLeastSine = 1e-3;  // between the diagonals
+  constexpr double kLeastPart = 0.02;  // of a diagonal, on either side
+  Crossing crossing;
+  const Vec3 ab = b - a, cd = d - c, ac = c - a;
+  const Vec3 normal = ab.cross(cd);
+  const double ab_ab = ab.squaredNorm(), ab_cd = ab.dot(cd), cd_cd = cd.squaredNorm();
+  const double determinant = normal.squaredNorm();
+  if (!(determinant > kLeastSine * kLeastSine * ab_ab * cd_cd)) return crossing;
+  const double s = crossing.on_ab = (ab.dot(ac) * cd_cd - cd.dot(ac) * ab_cd) / determinant;
+  const double t = crossing.on_cd = (ab.dot(ac) * ab_cd - cd.dot(ac) * ab_ab) / determinant;
+  crossing.is_inside = std::min(s, t) > kLeastPart && std::max(s, t) < 1.0 - kLeastPart;
+  crossing.middle = 0.5 * (a + s * ab + c + t * cd);
+  crossing.across = normal / std::sqrt(determinant);
+  crossing.gap = crossing.across.dot(ac);
+  crossing.relative_gap = std::abs(crossing.gap) / std::sqrt(std::sqrt(ab_ab * cd_cd));
+  return crossing;
+}
+
+// The median of the relative gaps of the hinges, of evenly spread ones where there are many.
+double median_gap(const SurfaceMesh& mesh, Progress& progress) {
+  constexpr Index kProbes = 1 << 16;
+  constexpr float kUnknown = -1.0f;
+  const Index stride = std::max<Index>(mesh.halfedge_slots() / kProbes, 1) | 1;
+  std::vector<float> gaps(static_cast<std::size_t>(mesh.halfedge_slots() / stride), kUnknown);
+  parallel_for_each(static_cast<Index>(gaps.size()), kGrain, progress, [&](Index n) {
+    const auto [a, b, c, d] = Hinge(mesh, n * stride).corner;
+    const Crossing crossing =
+        crossing_of(mesh.position[a], mesh.position[b], mesh.position[c], mesh.position[d]);
+    if (crossing.is_inside) gaps[n] = static_cast<float>(crossing.relative_gap);
+  });
+  gaps.erase(std::remove(gaps.begin(), gaps.end(), kUnknown), gaps.end());
+  if (gaps.empty()) return 0.0;
+  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
+  std::nth_element(gaps.begin(), middle, gaps.end());
+  return static_cast<double>(*middle);
+}
+
+// The diagonal nearer to the surface: see EdgeOptimisationOptions::least_gap. Along a diagonal the
+// height of the surface is a parabola, for which the mean of an end's height and that of its
+// tangent plane, weighted by the distance to the other end, is exact. Over the middle between the
+// diagonals the heights of the four ends come to nothing: the planes decide.
+class TangentPlaneCriterion {
+ public:
+  TangentPlaneCriterion(SurfaceMesh& mesh, double least_gap, std::vector<Vec3f> normals)
+      : mesh_(mesh), least_gap_(least_gap), normals_(std::move(normals)) {}
+
+  bool try_flip(const Hinge& hinge) {
+    const auto [a, b, c, d] = hinge.corner;
+    const Crossing crossing =
+        crossing_of(mesh_.position[a], mesh_.position[b], mesh_.position[c], mesh_.position[d]);
+    if (!crossing.is_inside || !(crossing.relative_gap >= least_gap_)) return false;
+    Vec3 outward = Vec3::Zero();
+    for (const Index v : hinge.corner) outward += normals_[v].cast<double>();
+    const double side = crossing.across.dot(outward) < 0.0 ? -1.0 : 1.0;
+    const double height = height_of_planes(hinge, crossing, side * crossing.across);
+    const bool is_new_nearer = height * side * crossing.gap > 0.0;
+    if (!is_new_nearer || !keeps_shape(hinge, outward)) return false;
+    if (!mesh_.is_flip_legal(hinge.diagonal)) return false;
+    mesh_.flip(hinge.diagonal);
+    return true;
+  }
+
+ private:
+  // Over the middle of the crossing, weighted by the nearness of their vertices.
+  double height_of_planes(const Hinge& hinge, const Crossing& crossing, const Vec3& up) const {
+    constexpr double kLeastCosine = 0.3;  // steeper planes count as this steep
+    const std::array<double, 4> weight = {1.0 - crossing.on_ab, crossing.on_ab,
+                                          1.0 - crossing.on_cd, crossing.on_cd};
+    double height = 0.0;
+    for (int k = 0; k < 4; ++k) {
+      const Index v = hinge.corner[k];
+      const Vec3 normal = normals_[v].cast<double>();
+      height += weight[k] * normal.dot(mesh_.position[v] - crossing.middle) /
+                std::max(normal.dot(up), kLeastCosine);
+    }
+    return height;
+  }
+
+  // No crease, of which planes tell nothing, no sliver, no face turned away, nearly Delaunay.
+  bool keeps_shape(const Hinge& hinge, const Vec3& outward) const {
+    static const double crease_cosine = std::cos(60.0 * kPi / 180.0);
+    static const double least_angle_cosine = std::cos(8.0 * kPi / 180.0);
+    constexpr double kMostAtEnds = 240.0 * kPi / 180.0;
+    const Vec3 &a = mesh_.position[hinge.corner[0]], &b = mesh_.position[hinge.corner[1]],
+               &c = mesh_.position[hinge.corner[2]], &d = mesh_.position[hinge.corner[3]];
+    const Vec3 old_first = unit_or_zero((b - a).cross(c - a)),
+               old_second = unit_or_zero((a - b).cross(d - b)),
+               new_first = unit_or_zero((c - d).cross(a - d)),
+               new_second = unit_or_zero((b - d).cross(c - d));
+    if (std::min(old_first.dot(old_second), new_first.dot(new_second)) < crease_cosine)
+      return false;
+    if (!(std::min(new_first.dot(outward), new_second.dot(outward)) > 0.0)) return false;
+    const double narrowest =
+        std::max(cosine_of_smallest_angle(d, c, a), cosine_of_smallest_angle(c, d, b));
+    if (narrowest > least_angle_cosine &&
+        narrowest > std::max(cosine_of_smallest_angle(a, b, c), cosine_of_smallest_angle(b, a, d)))
+      return false;
+    // Opposite to a Delaunay edge cd the angles sum to no more than a half turn.
+    const auto angle = [](const Vec3& u, const Vec3& v) {
+      return std::atan2(u.cross(v).norm(), u.dot(v));
+    };
+    return angle(c - a, b - a) + angle(d - a, b - a) + angle(c - b, a - b) + angle(d - b, a - b) <=
+           kMostAtEnds;
+  }
+
+  SurfaceMesh& mesh_;
+  double least_gap_;
+  std::vector<Vec3f> normals_;  // per vertex
+};
+
 // Looks at every edge, and again at those around each flip, until no flip helps.
 template <class Criterion>
 Index flip_all(SurfaceMesh& mesh, Criterion& criterion, const VertexBlocks& blocks,
@@ -371,21 +492,23 @@ EdgeOptimisationReport optimise_edges(SurfaceMesh& mesh, const EdgeOptimisationO
   std::vector<Vec3f> guide = normals_of_vertices(mesh, guide_normals, progress);
   const VertexBlocks blocks(mesh.position, progress);
   EdgeOptimisationReport report;
-  const bool is_delaunay = options.crease_angle > 0.0;
-  const double flipped = is_delaunay ? 0.8 : 1.0;
-  if (options.criterion == EdgeOptimisationOptions::Criterion::quadric) {
-    QuadricCriterion criterion(mesh, options, std::move(guide), progress);
-    progress.set_range(0.2, flipped);
-    report.flips = flip_all(mesh, criterion, blocks, fixed_faces, progress);
-  } else {
-    BendingCriterion criterion(mesh, options, std::move(guide), progress);
-    progress.set_range(0.2, flipped);
-    report.flips = flip_all(mesh, criterion, blocks, fixed_faces, progress);
-  }
-  if (is_delaunay) {
-    DelaunayCriterion criterion(mesh, options);
-    progress.set_range(flipped, 1.0);
+  const auto flip = [&](auto criterion, double from, double to) {
+    progress.set_range(from, to);
     report.flips += flip_all(mesh, criterion, blocks, fixed_faces, progress);
+  };
+  if (options.criterion == EdgeOptimisationOptions::Criterion::quadric)
+    flip(QuadricCriterion(mesh, options, std::move(guide), progress), 0.2, 0.7);
+  else
+    flip(BendingCriterion(mesh, options, std::move(guide), progress), 0.2, 0.7);
+  if (options.crease_angle > 0.0) flip(DelaunayCriterion(mesh, options), 0.7, 0.85);
+  if (options.least_gap < 1.0) {
+    progress.set_range(0.85, 0.9);
+    std::vector<Vec3f> normals = normals_of_vertices(mesh, nullptr, progress);
+    const double least_gap =
+        options.least_gap > 0.0
+            ? std::max(options.least_gap, options.gap_over_median * median_gap(mesh, progress))
+            : kGapOfRounding;
+    flip(TangentPlaneCriterion(mesh, least_gap, std::move(normals)), 0.9, 1.0);
   }
   progress.update(1.0);
   return report;

@@ -272,6 +272,7 @@ ReconstructionOptions as_in_the_paper() {
   options.complete_matching.method = CompleteMatchingOptions::Method::snap_and_insert;
   options.edge_optimisation.criterion = EdgeOptimisationOptions::Criterion::quadric;
   options.edge_optimisation.crease_angle = 0.0;
+  options.edge_optimisation.least_gap = 1.0;
   return options;
 }
 
