@@ -161,8 +161,8 @@ class Comparison:
         reasons = [line for line in run.log.splitlines() if line.startswith("Shrink Wrap failed: ")]
         if reasons:
             return reasons[-1]
-        if run.code >= 128:
-            return f"MeshLab crashed (signal {run.code - 128})"
+        if run.code < 0:
+            return f"MeshLab crashed (signal {-run.code})"
         return f"MeshLab failed (exit {run.code})" if run.code else "nothing written"
 
 

@@ -128,12 +128,12 @@ def script(path, base, *changes, before=None, types=None):
 
 class Screen:
     """An X server without a screen, for all runs of a process: the host needs one, and starting it takes longer than most
-    runs."""
+    runs. It must not reset when the last of its clients leaves: the next one would be turned away meanwhile, and abort."""
 
     def __init__(self):
         read_end, write_end = os.pipe()
-        self.server = subprocess.Popen(["Xvfb", "-displayfd", str(write_end), "-nolisten", "tcp"], pass_fds=[write_end],
-                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.server = subprocess.Popen(["Xvfb", "-displayfd", str(write_end), "-nolisten", "tcp", "-noreset"],
+                                       pass_fds=[write_end], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(write_end)
         with os.fdopen(read_end) as numbers:
             self.name = ":" + numbers.readline().strip()  # written once the server takes connections
