@@ -487,80 +487,6 @@ TEST(CreaseAngle, MakesEvenTrianglesDelaunayByDefault) {
   EXPECT_GT(delaunay_flips_wanted(bent), 100);
 }
 
-// Vertices on a torus (radii 1 and 0.4) at uneven distances, their triangles Delaunay.
-SurfaceMesh uneven_torus(int around, int along, unsigned seed) {
-  Random random(seed);
-  SurfaceMesh mesh = testing::torus_mesh(around, along);
-  for (Vec3& p : mesh.position) {
-    p += 0.5 / around * random.in_cube();
-    const Vec3 ring = Vec3(p.x(), p.y(), 0.0).normalized();
-    p = ring + 0.4 * (p - ring).normalized();
-  }
-  Progress progress;
-  make_delaunay(mesh, VertexBlocks(mesh.position, progress), progress);
-  return mesh;
-}
-
-double mean_distance_of_edges_to_torus(const SurfaceMesh& mesh) {
-  double sum = 0.0;
-  for (Index h = 0; h < mesh.halfedge_slots(); ++h) {
-    const Vec3 p = 0.5 * (mesh.position[mesh.origin(h)] + mesh.position[mesh.target(h)]);
-    const Vec3 ring = Vec3(p.x(), p.y(), 0.0).normalized();
-    sum += std::abs((p - ring).norm() - 0.4);
-  }
-  return sum / mesh.halfedge_slots();
-}
-
-double greatest_sum_of_opposite_angles(const SurfaceMesh& mesh) {
-  double greatest = 0.0;
-  const auto opposite_angle = [&](Index h) {
-    const Vec3& apex = mesh.position[mesh.opposite(h)];
-    const Vec3 u = mesh.position[mesh.origin(h)] - apex, v = mesh.position[mesh.target(h)] - apex;
-    return std::atan2(u.cross(v).norm(), u.dot(v));
-  };
-  for (Index h = 0; h < mesh.halfedge_slots(); ++h)
-    greatest = std::max(greatest, opposite_angle(h) + opposite_angle(mesh.twin(h)));
-  return greatest;
-}
-
-TEST(LeastGap, TheLowerTheNearerToTheSurface) {
-  const SurfaceMesh delaunay = uneven_torus(60, 24, 15);
-  std::array<double, 3> distance, angles;
-  for (int k = 0; k < 3; ++k) {
-    EdgeOptimisationOptions options;
-    options.least_gap = std::array<double, 3>{0.0, 0.03, 1.0}[k];
-    options.gap_over_median = 0.0;
-    SurfaceMesh mesh = delaunay;
-    Progress progress;
-    optimise_edges(mesh, options, progress);
-    EXPECT_EQ(mesh.position, delaunay.position);
-    expect_closed_manifold(mesh, 1, 1);
-    distance[k] = mean_distance_of_edges_to_torus(mesh);
-    angles[k] = greatest_sum_of_opposite_angles(mesh);
-  }
-  EXPECT_LT(distance[0], 0.995 * distance[1]);  // most edges have no other choice
-  EXPECT_LT(distance[1], 0.998 * distance[2]);
-  EXPECT_LE(angles[0], angles[2]);  // thus nothing far from Delaunay is made
-}
-
-TEST(LeastGap, IsThatOfNoiseWhereThereIsNoise) {
-  SurfaceMesh noisy = testing::icosphere(4);
-  Random random(16);
-  for (Vec3& p : noisy.position) p *= 1.0 + 0.01 * random.uniform(-1.0, 1.0);
-  const auto flips = [&](double least_gap, double gap_over_median) {
-    EdgeOptimisationOptions options;
-    options.least_gap = least_gap;
-    options.gap_over_median = gap_over_median;
-    SurfaceMesh mesh = noisy;
-    Progress progress;
-    return optimise_edges(mesh, options, progress).flips;
-  };
-  const EdgeOptimisationOptions by_default;
-  const Index others = flips(1.0, 0.0);
-  EXPECT_GT(flips(by_default.least_gap, 0.0) - others, 200);
-  EXPECT_LT(flips(by_default.least_gap, by_default.gap_over_median) - others, 20);
-}
-
 TEST(LeastGap, LeavesFlatPartsAndCreasesAlone) {
   Random random(17);
   SurfaceMesh mesh = cube(12, random);
@@ -573,24 +499,6 @@ TEST(LeastGap, LeavesFlatPartsAndCreasesAlone) {
   Progress progress;
   EXPECT_EQ(optimise_edges(mesh, options, progress).flips, 0);
   EXPECT_EQ(mesh.triangles(), before);
-}
-
-TEST(LeastGap, DoesNotDependOnThreadsAndLeavesFixedFacesAlone) {
-  SurfaceMesh one = uneven_torus(220, 100, 18);  // several blocks
-  const std::vector<Triangle> before = one.triangles();
-  std::vector<Index> fixed;
-  for (Index f = 0; f < one.face_slots(); f += 7) fixed.push_back(f);
-  EdgeOptimisationOptions options;
-  options.least_gap = 0.0;
-  SurfaceMesh two = one;
-  Progress progress;
-  for (SurfaceMesh* mesh : {&one, &two}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                    mesh == &one ? 1 : 4);
-    EXPECT_GT(optimise_edges(*mesh, options, progress, fixed).flips, 1000);
-  }
-  expect_same_mesh(one, two);
-  for (const Index f : fixed) EXPECT_EQ(one.triangle(f), before[f]);
 }
 
 TEST(EdgeOptimisationOfATetrahedron, FlipsNothing) {

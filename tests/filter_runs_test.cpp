@@ -472,16 +472,14 @@ TEST(FilterRuns, EdgeOptimisationTakesMeshesOfAnyStageAndKeepsThePromise) {
     for (const Index v : t) height += closed.mesh.position[v].z();
     return height;
   };
-  const std::size_t spanning = static_cast<std::size_t>(
-      std::find_if(quality.begin(), quality.end(), [](float q) { return q > 0.0f; }) -
-      quality.begin());
+  const auto first_spanning =
+      std::find_if(quality.begin(), quality.end(), [](float q) { return q > 0.0f; });
+  const auto spanning = static_cast<std::size_t>(first_spanning - quality.begin());
   const double spacing = length_of(spanning) / quality[spanning];
-  const std::size_t top =
-      static_cast<std::size_t>(std::max_element(faces.begin(), faces.end(),
-                                                [&](const Triangle& a, const Triangle& b) {
-                                                  return height_of(a) < height_of(b);
-                                                }) -
-                               faces.begin());
+  const auto highest = std::max_element(
+      faces.begin(), faces.end(),
+      [&](const Triangle& a, const Triangle& b) { return height_of(a) < height_of(b); });
+  const auto top = static_cast<std::size_t>(highest - faces.begin());
   quality[top] = static_cast<float>(0.9 * length_of(top) / spacing);
   EXPECT_EQ(border_loops(), 1);
   quality[top] = static_cast<float>(length_of(top) / spacing);
@@ -505,13 +503,11 @@ TEST(FilterRuns, EdgesOfAFinishedMeshAreChosenAnew) {
   const FilterOutcome bent = run(Filter::edge_optimisation, finished, bending_alone);
   EXPECT_NE(bent.mesh.triangles, finished.mesh.triangles);
   EXPECT_EQ(std::get<Index>(bent.figures.at("samples_matched")), 3000);
-  const FilterInput as_bent = through_layer(input.points, bent);
-  EXPECT_EQ(run(Filter::edge_optimisation, as_bent, bending_alone).mesh.triangles,
-            bent.mesh.triangles);
-  EXPECT_NE(run(Filter::edge_optimisation, as_bent, {{"LeastGap", 1}}).mesh.triangles,
-            bent.mesh.triangles);
-  EXPECT_NE(run(Filter::edge_optimisation, as_bent, {{"CreaseAngle", 0}}).mesh.triangles,
-            bent.mesh.triangles);
+  const auto is_as_bent = [&, as_bent = through_layer(input.points, bent)](const auto& changed) {
+    return run(Filter::edge_optimisation, as_bent, changed).mesh.triangles == bent.mesh.triangles;
+  };
+  EXPECT_TRUE(is_as_bent(bending_alone));
+  for (const auto& one : bending_alone) EXPECT_FALSE(is_as_bent(ParameterValues{one}));
 }
 
 TEST(FilterRuns, ThePaperClosesEveryOpeningAndSaysSo) {

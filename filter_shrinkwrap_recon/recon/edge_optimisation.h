@@ -40,7 +40,7 @@ struct EdgeOptimisationOptions {
   /// At last, where the two diagonals of a hinge pass each other at a distance of at least this, x
   /// the geometric mean of their lengths, the one nearer to the surface is taken, as far as the
   /// tangent planes of the four vertices tell it. 0: wherever the diagonals differ, which comes up
-  /// to a fifth nearer to a finer surface, and two or three times as far from a mesh of
+  /// to a third nearer to a finer surface, and two or three times as far from a mesh of
   /// well-shaped triangles that has these vertices; 1: nowhere.
   double least_gap = 0.03;
   /// Unless it is 0, the least gap is at least so many times the median of all gaps: where most are
