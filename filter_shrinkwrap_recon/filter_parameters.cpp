@@ -291,7 +291,7 @@ Parameter crease_angle() {
       "more than this then, after the method's own choice, which follows the bends of the surface; "
       "edges that bend by more, and where angles would be below 25 degrees, only if they bend by "
       "no more than 1.3 times as much then. 0: nowhere. Raised: better shaped triangles, "
-      "fewer edges kept sharp. Below 0: what the method has (Robust 40, As in the paper 0). Can be "
+      "fewer edges kept sharp. Below 0: what the method has (Robust 50, As in the paper 0). Can be "
       "applied to a finished mesh. Unit: degrees; range 0 to 180."));
 }
 
@@ -299,10 +299,11 @@ Parameter least_gap() {
   return advanced(number(
       Kind::real, kLeastGap, "Least gap between diagonals (below 0: automatic)", -1.0, -1.0, 1.0,
       "Where the two diagonals of a pair of faces pass each other at a distance of at least this, "
-      "and of at least five times the median of all, the one is taken that is nearer to the "
-      "surface as the tangent planes of the four vertices tell it. 0: wherever they differ, which "
-      "is nearer to a smooth surface, with narrower triangles. Raised: only where a wrong choice "
-      "would show. 1: nowhere. Below 0: what the method has (Robust 0.03, As in the paper 1). Can "
+      "and of at least five times the median of all, or at one of the 5 % largest distances, the "
+      "one is taken that is nearer to the surface as the tangent planes of the four vertices tell "
+      "it. 0: wherever they differ, which is nearer to a smooth surface, with narrower triangles. "
+      "Raised: only where a wrong choice would show. 1: nowhere. Below 0: what the method has "
+      "(Robust 0.03, As in the paper 1). Can "
       "be applied to a finished mesh. Unit: mean length of the diagonals; range 0 to 1."));
 }
 

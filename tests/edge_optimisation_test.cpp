@@ -217,6 +217,7 @@ TEST(BendingCriterion, IsDoneAfterOneCall) {
   Progress progress;
   EdgeOptimisationOptions options;
   options.crease_angle = 0.0;
+  options.least_gap = 1.0;
   optimise_edges(mesh, options, progress, {}, &guide);
   EXPECT_EQ(optimise_edges(mesh, options, progress, {}, &guide).flips, 0);
 }
@@ -297,6 +298,7 @@ TEST(CreaseAngle, MakesSmoothSurfacesDelaunay) {
   SurfaceMesh shaped = bent;
   Progress progress;
   EdgeOptimisationOptions options;
+  options.least_gap = 1.0;
   options.crease_angle = 0.0;
   optimise_edges(bent, options, progress);
   options.crease_angle = kPi;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "delaunay_flips.h"
 #include "triangle_geometry.h"
@@ -15,7 +16,6 @@ namespace {
 constexpr Index kGrain = 1 << 12;
 constexpr Index kLooksPerEdge = 30;
 constexpr Index kProgressStride = 1 << 12;
-constexpr double kGapOfRounding = 1e-5;
 
 // The two faces of an edge before and after its flip: (a, b, c) and (b, a, d) become (d, c, a) and
 // (c, d, b).
@@ -326,23 +326,49 @@ Crossing crossing_of(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
   return crossing;
 }
 
-// The median of the relative gaps of the hinges, of evenly spread ones where there are many.
-double median_gap(const SurfaceMesh& mesh, Progress& progress) {
+// Which gaps are large: see EdgeOptimisationOptions::least_gap and the two after it.
+struct LargeGaps {
+  double least_relative = 0.0, least_absolute = 0.0;  ///< either will do
+  bool has(const Crossing& crossing) const {
+    constexpr double kRounding = 1e-5;  // relative
+    return crossing.is_inside && crossing.relative_gap >= kRounding &&
+           (crossing.relative_gap >= least_relative || std::abs(crossing.gap) >= least_absolute);
+  }
+};
+
+// As the gaps of all hinges tell, or of evenly spread ones where there are many.
+LargeGaps large_gaps_of(const SurfaceMesh& mesh, const EdgeOptimisationOptions& options,
+                        Progress& progress) {
+  LargeGaps large;
+  if (!(options.least_gap > 0.0)) return large;
   constexpr Index kProbes = 1 << 16;
-  constexpr float kUnknown = -1.0f;
   const Index stride = std::max<Index>(mesh.halfedge_slots() / kProbes, 1) | 1;
-  std::vector<float> gaps(static_cast<std::size_t>(mesh.halfedge_slots() / stride), kUnknown);
-  parallel_for_each(static_cast<Index>(gaps.size()), kGrain, progress, [&](Index n) {
+  std::vector<Crossing> crossings(static_cast<std::size_t>(mesh.halfedge_slots() / stride));
+  parallel_for_each(static_cast<Index>(crossings.size()), kGrain, progress, [&](Index n) {
     const auto [a, b, c, d] = Hinge(mesh, n * stride).corner;
-    const Crossing crossing =
+    crossings[n] =
         crossing_of(mesh.position[a], mesh.position[b], mesh.position[c], mesh.position[d]);
-    if (crossing.is_inside) gaps[n] = static_cast<float>(crossing.relative_gap);
   });
-  gaps.erase(std::remove(gaps.begin(), gaps.end(), kUnknown), gaps.end());
-  if (gaps.empty()) return 0.0;
-  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
-  std::nth_element(gaps.begin(), middle, gaps.end());
-  return static_cast<double>(*middle);
+  std::vector<double> relative, absolute;
+  for (const Crossing& crossing : crossings) {
+    if (!crossing.is_inside) continue;
+    relative.push_back(crossing.relative_gap);
+    absolute.push_back(std::abs(crossing.gap));
+  }
+  // The least of the largest ones that are this share of all.
+  const auto least_of_largest = [](std::vector<double>& gaps, double share) {
+    const double count = std::round(std::min(share, 1.0) * static_cast<double>(gaps.size()));
+    if (!(count >= 1.0)) return std::numeric_limits<double>::infinity();
+    const auto nth = gaps.end() - static_cast<std::ptrdiff_t>(count);
+    std::nth_element(gaps.begin(), nth, gaps.end());
+    return *nth;
+  };
+  large.least_relative = options.least_gap;
+  if (!relative.empty())
+    large.least_relative =
+        std::max(large.least_relative, options.gap_over_median * least_of_largest(relative, 0.5));
+  large.least_absolute = least_of_largest(absolute, options.largest_gaps);
+  return large;
 }
 
 // The diagonal nearer to the surface: see EdgeOptimisationOptions::least_gap. Along a diagonal the
@@ -351,14 +377,14 @@ double median_gap(const SurfaceMesh& mesh, Progress& progress) {
 // diagonals the heights of the four ends come to nothing: the planes decide.
 class TangentPlaneCriterion {
  public:
-  TangentPlaneCriterion(SurfaceMesh& mesh, double least_gap, std::vector<Vec3f> normals)
-      : mesh_(mesh), least_gap_(least_gap), normals_(std::move(normals)) {}
+  TangentPlaneCriterion(SurfaceMesh& mesh, const LargeGaps& large_gaps, std::vector<Vec3f> normals)
+      : mesh_(mesh), large_gaps_(large_gaps), normals_(std::move(normals)) {}
 
   bool try_flip(const Hinge& hinge) {
     const auto [a, b, c, d] = hinge.corner;
     const Crossing crossing =
         crossing_of(mesh_.position[a], mesh_.position[b], mesh_.position[c], mesh_.position[d]);
-    if (!crossing.is_inside || !(crossing.relative_gap >= least_gap_)) return false;
+    if (!large_gaps_.has(crossing)) return false;
     Vec3 outward = Vec3::Zero();
     for (const Index v : hinge.corner) outward += normals_[v].cast<double>();
     const double side = crossing.across.dot(outward) < 0.0 ? -1.0 : 1.0;
@@ -414,7 +440,7 @@ class TangentPlaneCriterion {
   }
 
   SurfaceMesh& mesh_;
-  double least_gap_;
+  LargeGaps large_gaps_;
   std::vector<Vec3f> normals_;  // per vertex
 };
 
@@ -504,11 +530,8 @@ EdgeOptimisationReport optimise_edges(SurfaceMesh& mesh, const EdgeOptimisationO
   if (options.least_gap < 1.0) {
     progress.set_range(0.85, 0.9);
     std::vector<Vec3f> normals = normals_of_vertices(mesh, nullptr, progress);
-    const double least_gap =
-        options.least_gap > 0.0
-            ? std::max(options.least_gap, options.gap_over_median * median_gap(mesh, progress))
-            : kGapOfRounding;
-    flip(TangentPlaneCriterion(mesh, least_gap, std::move(normals)), 0.9, 1.0);
+    const LargeGaps large_gaps = large_gaps_of(mesh, options, progress);
+    flip(TangentPlaneCriterion(mesh, large_gaps, std::move(normals)), 0.9, 1.0);
   }
   progress.update(1.0);
   return report;

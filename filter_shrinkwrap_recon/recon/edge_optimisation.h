@@ -29,7 +29,7 @@ struct EdgeOptimisationOptions {
   /// Above 0 (radians): when no flip lowers the criterion, edges become Delaunay where without them
   /// no side of their hinge bends by more than this, or than before. 0: the criterion has the last
   /// word.
-  double crease_angle = 40.0 * kPi / 180.0;
+  double crease_angle = 50.0 * kPi / 180.0;
   /// Where the edge bends by more than the crease angle, or one of the two faces would have a
   /// smaller angle than this (radians) ...
   double least_angle = 25.0 * kPi / 180.0;
@@ -41,11 +41,14 @@ struct EdgeOptimisationOptions {
   /// the geometric mean of their lengths, the one nearer to the surface is taken, as far as the
   /// tangent planes of the four vertices tell it. 0: wherever the diagonals differ, which comes up
   /// to a third nearer to a finer surface, and two or three times as far from a mesh of
-  /// well-shaped triangles that has these vertices; 1: nowhere.
+  /// well-shaped triangles that has these vertices; 1: nowhere, whatever the others say.
   double least_gap = 0.03;
   /// Unless it is 0, the least gap is at least so many times the median of all gaps: where most are
   /// large, noise or coarse sampling makes them so, and planes tell little.
   double gap_over_median = 5.0;
+  /// The same where a distance is among the largest of the mesh, which this share of its hinges
+  /// have: a wrong choice costs most there. 0: only where the least gap is reached.
+  double largest_gaps = 0.05;
 };
 
 struct EdgeOptimisationReport {
