@@ -337,6 +337,32 @@ TEST(Reconstruct, AnyPlaceAndAnyScale) {
     }
 }
 
+// The surface of such samples lies beyond the largest number in places.
+TEST(Reconstruct, StaysFiniteBesideTheLargestNumbers) {
+  for (const double largest :
+       {std::numeric_limits<double>::max(), double{std::numeric_limits<float>::max()}}) {
+    std::vector<Vec3> points = sample_shape(ShapeKind::sphere, 1000, 18);
+    double farthest = 0.0;
+    for (const Vec3& p : points) farthest = std::max(farthest, p.cwiseAbs().maxCoeff());
+    for (Vec3& p : points) {
+      p = largest * Vec3(p / farthest);
+      if (largest < 1e300) p = rounded_to_single(p);
+    }
+    for (const bool stops : {false, true}) {
+      SCOPED_TRACE(::testing::Message() << largest << (stops ? ", stopped" : ""));
+      ReconstructionOptions options;
+      options.stop_at_parametric_surface = stops;
+      const Reconstruction result = reconstruct_silently(points, options);
+      EXPECT_TRUE(result.report.closed() && result.report.manifold());
+      EXPECT_EQ(result.report.genus, 0);
+      Index beyond = 0;
+      for (const Vec3& p : result.mesh.position) beyond += !(p.cwiseAbs().maxCoeff() <= largest);
+      EXPECT_EQ(beyond, 0);
+      if (!stops) expect_promise(result, points, 1, 0);
+    }
+  }
+}
+
 TEST(Reconstruct, FewPointsWillDo) {
   for (Index count = 4; count <= 40; ++count) {
     SCOPED_TRACE(count);

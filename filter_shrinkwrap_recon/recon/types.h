@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -33,6 +34,11 @@ inline SampleId to_sample(Index index) {
   return static_cast<SampleId>(index);
 }
 
+/// The nearest point whose coordinates are at most `largest` in size, infinite ones too.
+inline Vec3 clamped(const Vec3& p, double largest) {
+  return p.cwiseMin(largest).cwiseMax(-largest);
+}
+
 /// The unit frame in which all stages work: moved to the origin and scaled by a power of two, so
 /// that a cloud anywhere and of any size meets the same arithmetic. `unit_frame` chooses it so that
 /// `to_unit` is exact.
@@ -42,10 +48,11 @@ struct Frame {
   Vec3 to_unit(const Vec3& p) const { return (p - center) * scale; }
   /// Back to the input's frame, on a lattice of 2^-44 of the unit: near zero a host's float is
   /// finer than what the way through the unit frame keeps, and without the lattice a second trip
-  /// would give other bits than the first.
+  /// would give other bits than the first. Finite, also of a point beyond the largest doubles.
   Vec3 to_input(const Vec3& p) const {
     const double lattice = 0x1p-44 / scale;
-    return ((p / scale + center) / lattice).array().round() * lattice;
+    return clamped(((p / scale + center) / lattice).array().round() * lattice,
+                   std::numeric_limits<double>::max());
   }
   double to_input_length(double length) const { return length / scale; }
 };
@@ -55,11 +62,13 @@ struct Frame {
 /// whole pipeline in one call give the same bytes.
 enum class HostScalar { single_precision, double_precision };
 
-/// The nearest doubles that single precision can hold. A function of its own because GCC 12
-/// vectorises a narrowing and the widening after it into nothing, whatever the language says.
+/// The nearest doubles that single precision can hold, and finite. A function of its own because
+/// GCC 12 vectorises a narrowing and the widening after it into nothing, whatever the language
+/// says.
 inline Vec3 rounded_to_single(const Vec3& p) {
-  const volatile float x = static_cast<float>(p.x()), y = static_cast<float>(p.y()),
-                       z = static_cast<float>(p.z());
+  const Vec3 q = clamped(p, static_cast<double>(std::numeric_limits<float>::max()));
+  const volatile float x = static_cast<float>(q.x()), y = static_cast<float>(q.y()),
+                       z = static_cast<float>(q.z());
   return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
 }
 

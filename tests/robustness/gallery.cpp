@@ -249,6 +249,8 @@ class Builder {
           moved(sphere(1000), std::pow(10.0, exponent), Vec3::Zero()));
     add("sphere_of_the_largest",
         moved(sphere(1000), std::numeric_limits<double>::max() / 1.001, Vec3::Zero()));
+    add("sphere_of_the_largest_floats",
+        moved(sphere(1000), double{std::numeric_limits<float>::max()} / 1.001, Vec3::Zero()));
     add("denormal", generated(200, [&](Index) {
           return Vec3(in_cube(1)[0] * 50 * std::numeric_limits<double>::denorm_min());
         }));
