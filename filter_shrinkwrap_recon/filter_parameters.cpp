@@ -303,8 +303,8 @@ Parameter least_gap() {
       "one is taken that is nearer to the surface as the tangent planes of the four vertices tell "
       "it. 0: wherever they differ, which is nearer to a smooth surface, with narrower triangles. "
       "Raised: only where a wrong choice would show. 1: nowhere. Below 0: what the method has "
-      "(Robust 0.03, As in the paper 1). Can "
-      "be applied to a finished mesh. Unit: mean length of the diagonals; range 0 to 1."));
+      "(Robust 0.03, As in the paper 1). Can be applied to a finished mesh. Unit: mean length of "
+      "the diagonals; range 0 to 1."));
 }
 
 void append(std::vector<Parameter>& list, const std::vector<Parameter>& more) {

@@ -46,8 +46,8 @@ struct EdgeOptimisationOptions {
   /// Unless it is 0, the least gap is at least so many times the median of all gaps: where most are
   /// large, noise or coarse sampling makes them so, and planes tell little.
   double gap_over_median = 5.0;
-  /// The same where a distance is among the largest of the mesh, which this share of its hinges
-  /// have: a wrong choice costs most there. 0: only where the least gap is reached.
+  /// The same for this share of the hinges, those with the largest distances of the mesh, whatever
+  /// the least gap: a wrong choice costs most there. 0: only where the least gap is reached.
   double largest_gaps = 0.05;
 };
 

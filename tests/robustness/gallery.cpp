@@ -250,7 +250,9 @@ class Builder {
     add("sphere_of_the_largest",
         moved(sphere(1000), std::numeric_limits<double>::max() / 1.001, Vec3::Zero()));
     add("sphere_of_the_largest_floats",
-        moved(sphere(1000), double{std::numeric_limits<float>::max()} / 1.001, Vec3::Zero()));
+        changed(
+            moved(sphere(1000), double{std::numeric_limits<float>::max()} / 1.001, Vec3::Zero()),
+            [](Vec3& p) { p = rounded_to_single(p); }));
     add("denormal", generated(200, [&](Index) {
           return Vec3(in_cube(1)[0] * 50 * std::numeric_limits<double>::denorm_min());
         }));
