@@ -65,6 +65,15 @@ std::string repair_line(const RepairReport& report) {
               : "");
 }
 
+std::string folds_line(const FoldReport& report) {
+  return "Folds removed: " + count_of(report.faces_before, "face") +
+         " were bent back onto their neighbours, " + std::to_string(report.faces_after) +
+         " still are, after " + count_of(report.flips, "edge flip") +
+         (report.annealed > 0
+              ? " and " + count_of(report.annealed, "patch", "patches") + " annealed"
+              : "");
+}
+
 std::string relaxation_line(const RelaxationReport& report) {
   return "Self-intersections smoothed away: " + count_of(report.faces_before, "face") +
          " met others, " + std::to_string(report.faces_after) + " still do, after " +

@@ -22,6 +22,7 @@ std::string conditioning_line(const ConditioningReport& report, double spacing);
 std::string detail_line(const InitialMeshReport& report);
 std::string dense_parts_line(const InitialMeshReport& report);
 std::string repair_line(const RepairReport& report);
+std::string folds_line(const FoldReport& report);
 std::string relaxation_line(const RelaxationReport& report);
 std::string openings_line(const OpeningsReport& report);
 

@@ -191,10 +191,12 @@ Parameter neighbours() {
 }
 
 Parameter repair_intersections() {
-  return advanced(boolean(kRepairIntersections, "Repair self-intersections", true,
-                          "Look for faces that cut or touch others, exactly, and flip edges around "
-                          "them until none is left; those that cannot be parted are selected. Off: "
-                          "a little faster; the report counts them, and none is selected."));
+  return advanced(
+      boolean(kRepairIntersections, "Repair self-intersections", true,
+              "Look for faces that cut or touch others, exactly, and flip edges around "
+              "them until none is left; those that cannot be parted are selected. Faces "
+              "that are bent back onto their neighbours are unfolded too. Off: a little "
+              "faster; the report counts them, and none is selected."));
 }
 
 Parameter count_intersections() {

@@ -145,6 +145,8 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
     outcome.log.insert(outcome.log.end() - 1, dense_parts_line(result.initial_mesh));
   if (result.intersection_repair.faces_before > 0)
     outcome.log.insert(outcome.log.end() - 1, repair_line(result.intersection_repair));
+  if (result.intersection_repair.folds.has_done_any())
+    outcome.log.insert(outcome.log.end() - 1, folds_line(result.intersection_repair.folds));
   if (result.relaxation.faces_before > 0)
     outcome.log.insert(outcome.log.end() - 1, relaxation_line(result.relaxation));
   if (result.openings.spanned + result.openings.left_open > 0)
@@ -326,6 +328,7 @@ FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterIn
         " without a sample could be removed after all, and openings are spanned there.");
   RepairReport& repair = optimised.intersection_repair;
   if (repair.faces_before > 0) outcome.log.push_back(repair_line(repair));
+  if (repair.folds.has_done_any()) outcome.log.push_back(folds_line(repair.folds));
   warn_of_intersections(repair.faces_after, outcome.warnings);
   outcome.marked_faces = std::move(repair.remaining_faces);
   const OpeningsReport& openings = optimised.openings;

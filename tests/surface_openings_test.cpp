@@ -8,8 +8,8 @@
 #include <string>
 
 #include "expect_mesh.h"
+#include "face_patches.h"
 #include "meeting_pairs.h"
-#include "one_ring.h"
 #include "oriented_cloud.h"
 #include "parametric_surface.h"
 #include "reconstruct.h"

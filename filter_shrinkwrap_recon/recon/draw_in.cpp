@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "box_tree.h"
+#include "face_patches.h"
 #include "fresh_faces.h"
 #include "one_ring.h"
 #include "triangle_pair.h"

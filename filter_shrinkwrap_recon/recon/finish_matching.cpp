@@ -10,14 +10,17 @@ FinishReport finish_matching(CompleteMatching& matching, const PointCloud& cloud
                              Progress& progress) {
   FinishReport report;
   RepairReport& repair = report.repair;
-  repair = repair_self_intersections(matching.mesh, options, progress, matching.opening_faces);
+  const auto repair_mesh = [&] {
+    return repair_self_intersections(matching.mesh, options, progress, matching.opening_faces,
+                                     matching.spanning_faces);
+  };
+  repair = repair_mesh();
   if (matching.spanning_faces.empty()) return report;
   if (extra_vertices_kept(matching.mesh, cloud.size(), matching.opening_faces) > 0) {
     report.removed_extra = close_openings(matching, cloud.size(), progress);
     if (repair.faces_after > 0) {
       // Flips may part what is left now, and all faces have other indices.
-      repair.add(
-          repair_self_intersections(matching.mesh, options, progress, matching.opening_faces));
+      repair.add(repair_mesh());
     }
   }
   draw_in_extra_vertices(matching, cloud.size(), cloud.frame, scalar, {}, progress);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "box_tree.h"
+#include "face_patches.h"
 #include "one_ring.h"
 #include "parallel.h"
 #include "self_intersection.h"
@@ -155,7 +156,9 @@ RelaxationReport relax_self_intersections(SurfaceMesh& mesh, const Frame& frame,
       meeting = at_first;
     }
     if (!meeting.empty() && options.repair.enabled) {
-      RepairReport repair = repair_self_intersections(mesh, options.repair, progress);
+      RepairOptions only_intersections = options.repair;
+      only_intersections.folds.most_folded = 0.0;  // membranes fold at their rims
+      RepairReport repair = repair_self_intersections(mesh, only_intersections, progress);
       report.flips = repair.flips + repair.relocated;
       meeting = std::move(repair.remaining_faces);
     }

@@ -5,9 +5,9 @@
 #include <iterator>
 
 #include "face_meetings.h"
+#include "face_patches.h"
 #include "hinge_flips.h"
-#include "intersection_annealing.h"
-#include "one_ring.h"
+#include "patch_annealing.h"
 #include "sample_relocation.h"
 #include "sort_unique.h"
 
@@ -67,7 +67,7 @@ class Repair {
         meetings_(mesh, kTestsPerFace * mesh.face_slots(), progress, opening_faces),
         hinges_(mesh, meetings_, opening_faces) {}
 
-  RepairReport run();
+  RepairReport run(const std::vector<Index>& spanning_faces);
 
  private:
   using Pair = HingeFlips::Pair;
@@ -78,10 +78,10 @@ class Repair {
     return has_time() &&
            (attempt.move == Move::relocation || attempt.reach <= options_.max_look_ahead);
   }
+  void part_faces(RepairReport& report);
   void flip_if_better(Index h);
   bool flip_together(Index h, int count, std::ptrdiff_t pairs_lost);
   void relocate(Index v);
-  std::vector<std::vector<Index>> clusters_of(const std::vector<Index>& faces) const;
   void anneal_near(const std::vector<Index>& faces, int rings, double done);
   void unfold(const std::vector<Index>& faces);
 
@@ -92,8 +92,6 @@ class Repair {
   }
 
   void try_near(const Attempt& attempt, const std::vector<Index>& faces, double done);
-  std::vector<Index> faces_near(std::vector<Index> faces, int rings) const;
-  std::vector<Index> edges_of(const std::vector<Index>& faces) const;
   std::vector<Index> affected_faces() const;
 
   SurfaceMesh& mesh_;
@@ -166,47 +164,20 @@ void Repair::relocate(Index v) {
   touched_.insert(touched_.end(), changed.begin(), changed.end());
 }
 
-// These faces in sets that neither meet nor touch each other, each ascending.
-std::vector<std::vector<Index>> Repair::clusters_of(const std::vector<Index>& faces) const {
-  std::vector<char> is_taken(faces.size(), 0);
-  std::vector<std::vector<Index>> clusters;
-  for (std::size_t first = 0; first < faces.size(); ++first) {
-    if (is_taken[first]) continue;
-    std::vector<Index> cluster;
-    const auto take = [&](const std::vector<Index>& near) {
-      for (const Index f : near) {
-        const auto place = std::lower_bound(faces.begin(), faces.end(), f) - faces.begin();
-        const auto i = static_cast<std::size_t>(place);
-        if (i == faces.size() || faces[i] != f || is_taken[i]) continue;
-        is_taken[i] = 1;
-        cluster.push_back(f);
-      }
-    };
-    take({faces[first]});
-    for (std::size_t i = 0; i < cluster.size(); ++i) {
-      take(meetings_.faces_met_by(cluster[i]));
-      take(faces_near({cluster[i]}, 1));
-    }
-    std::sort(cluster.begin(), cluster.end());
-    clusters.push_back(std::move(cluster));
-  }
-  return clusters;
-}
-
 // The smallest patches first.
 void Repair::anneal_near(const std::vector<Index>& faces, int rings, double done) {
   if (faces_before_annealing_ == kNone)
     faces_before_annealing_ = static_cast<Index>(meetings_.faces().size());
   if (faces_before_annealing_ > kMostMeeting * mesh_.face_count()) return;
-  std::vector<std::vector<Index>> clusters = clusters_of(faces);
-  std::stable_sort(clusters.begin(), clusters.end(),
-                   [](const auto& a, const auto& b) { return a.size() < b.size(); });
   AnnealingOptions options = options_.annealing;
   options.moves_per_face *= rings;
-  for (const std::vector<Index>& cluster : clusters) {
+  const auto met_by = [&](Index f) -> const std::vector<Index>& {
+    return meetings_.faces_met_by(f);
+  };
+  for (const std::vector<Index>& cluster : clusters_of(mesh_, faces, met_by)) {
     progress_.update(done);
     if (cluster.size() > kLargestPatch || moves_left_ <= 0) return;
-    const std::vector<Index> patch = faces_near(cluster, rings);
+    const std::vector<Index> patch = faces_near(mesh_, cluster, rings);
     if (patch.size() > kLargestPatch || meetings_.pairs_of(cluster).empty()) continue;
     if (!has_granted_) meetings_.grant(kTestsPerMove * moves_left_);
     has_granted_ = true;
@@ -220,7 +191,7 @@ void Repair::anneal_near(const std::vector<Index>& faces, int rings, double done
 // Flips the edges of these faces at which the mesh folds beyond the guard if that makes the fold
 // less sharp and adds no pair.
 void Repair::unfold(const std::vector<Index>& faces) {
-  for (Index h : edges_of(faces)) {
+  for (Index h : edges_of(mesh_, faces)) {
     const auto most_pairs = [&](const HingeShape& now, const HingeShape& then) {
       const bool unfolds = now.sharpest < options_.fold_guard && then.sharpest > now.sharpest;
       return unfolds ? hinges_.pair_count_at(h) : -1;
@@ -229,24 +200,9 @@ void Repair::unfold(const std::vector<Index>& faces) {
   }
 }
 
-// These faces and the rings of faces around them, ascending.
-std::vector<Index> Repair::faces_near(std::vector<Index> faces, int rings) const {
-  for (int ring = 0; ring < rings; ++ring) faces = faces_around(mesh_, corners_of(mesh_, faces));
-  return faces;
-}
-
-// One half-edge each, ascending.
-std::vector<Index> Repair::edges_of(const std::vector<Index>& faces) const {
-  std::vector<Index> edges;
-  for (Index f : faces)
-    for (Index h = 3 * f; h < 3 * f + 3; ++h) edges.push_back(std::min(h, mesh_.twin(h)));
-  sort_unique(edges);
-  return edges;
-}
-
 // The faces around those that changed, and those that they meet, ascending.
 std::vector<Index> Repair::affected_faces() const {
-  std::vector<Index> faces = faces_near(touched_, 1);
+  std::vector<Index> faces = faces_near(mesh_, touched_, 1);
   const std::size_t near = faces.size();
   for (std::size_t i = 0; i < near; ++i) {
     const std::vector<Index>& met = meetings_.faces_met_by(faces[i]);
@@ -265,7 +221,8 @@ void Repair::try_near(const Attempt& attempt, const std::vector<Index>& faces, d
   }
   const bool relocates = attempt.move == Move::relocation;
   const std::vector<Index> items =
-      relocates ? corners_of(mesh_, faces) : edges_of(faces_near(faces, attempt.reach > 1 ? 1 : 0));
+      relocates ? corners_of(mesh_, faces)
+                : edges_of(mesh_, faces_near(mesh_, faces, attempt.reach > 1 ? 1 : 0));
   for (std::size_t i = 0; i < items.size() && has_time(); ++i) {
     if (i % kPollInterval == 0) progress_.update(done);
     if (relocates)
@@ -277,12 +234,9 @@ void Repair::try_near(const Attempt& attempt, const std::vector<Index>& faces, d
   }
 }
 
-RepairReport Repair::run() {
+void Repair::part_faces(RepairReport& report) {
   std::vector<Index> faces = meetings_.faces();
-  RepairReport report;
-  report.before = meetings_.pair_count();
-  report.faces_before = meetings_.faces_at_first();
-  if (faces.empty()) return report;
+  if (faces.empty()) return;
   meetings_.grant(report.faces_before > kHopeless * mesh_.face_count() ? kLeastTestsIfHopeless
                                                                        : kLeastTests);
   const std::int64_t max_trials =
@@ -324,6 +278,16 @@ RepairReport Repair::run() {
   }
   limits_.least_height = kLeastHeight;
   unfold(changed);
+}
+
+RepairReport Repair::run(const std::vector<Index>& spanning_faces) {
+  RepairReport report;
+  report.before = meetings_.pair_count();
+  report.faces_before = meetings_.faces_at_first();
+  part_faces(report);
+  progress_.set_range(1.0, 1.0);
+  HingeFlips hinges_of_surface(mesh_, meetings_, spanning_faces);
+  report.folds = remove_folds(hinges_of_surface, options_.folds, progress_);
   report.remaining_faces = meetings_.all_faces(progress_);
   report.after = meetings_.pair_count();
   report.faces_after = static_cast<Index>(report.remaining_faces.size());
@@ -339,10 +303,11 @@ RepairReport Repair::run() {
 }  // namespace
 
 RepairReport repair_self_intersections(SurfaceMesh& mesh, const RepairOptions& options,
-                                       Progress& progress,
-                                       const std::vector<Index>& opening_faces) {
+                                       Progress& progress, const std::vector<Index>& opening_faces,
+                                       const std::vector<Index>& spanning_faces) {
   progress.set_range(0.0, 0.8);
-  return Repair(mesh, options, progress, opening_faces).run();
+  return Repair(mesh, options, progress, opening_faces)
+      .run(spanning_faces.empty() ? opening_faces : spanning_faces);
 }
 
 }  // namespace shrinkwrap

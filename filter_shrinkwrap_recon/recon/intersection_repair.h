@@ -6,7 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "intersection_annealing.h"
+#include "fold_removal.h"
+#include "patch_annealing.h"
 #include "progress.h"
 #include "surface_mesh.h"
 
@@ -28,6 +29,7 @@ struct RepairOptions {
   /// long as there is another way.
   double fold_guard = -0.3;
   AnnealingOptions annealing;  ///< of patches of one ring; of n rings, n times as many moves
+  FoldOptions folds;           ///< that are removed at last
 };
 
 struct RepairReport {
@@ -42,6 +44,7 @@ struct RepairReport {
   Index annealed = 0;   ///< patches that came out with fewer pairs
   int rounds = 0;
   std::int64_t tests = 0;  ///< of pairs of faces, after the first search
+  FoldReport folds;        ///< that were left by all this
 
   /// Faces that meet others, or did until they were annealed: where the surface is right, flips and
   /// relocations leave few or none.
@@ -61,6 +64,9 @@ struct RepairReport {
     annealed += further.annealed;
     rounds += further.rounds;
     tests += further.tests;
+    folds.faces_after = further.folds.faces_after;
+    folds.flips += further.folds.flips;
+    folds.annealed += further.folds.annealed;
   }
 };
 
@@ -69,17 +75,20 @@ struct RepairReport {
 /// looks for two neighbouring flips that do together. What failed is tried again only where
 /// something has changed nearby. Sharper folds than the guard allows are made only where all this
 /// fails, and unfolded at the end if that costs no pair; needles only where folds do not help. At
-/// last the patches around the faces that still meet are annealed (intersection_annealing.h), of
+/// last the patches around the faces that still meet are annealed (patch_annealing.h), of
 /// one, two and three rings, the smallest first, unless they are more than a fifth of all: a heap.
+/// Whether faces meet or not, folds are removed then (fold_removal.h).
 /// Vertices neither move nor vanish, no face becomes degenerate, and the mesh stays a closed
 /// 2-manifold of the same genus. `after` is never above `before`.
 ///
 /// Finding the pairs costs as much as `self_intersections`; the rest is proportional to the number
 /// of faces in them. Deterministic.
 /// `opening_faces` (ascending) are not to be in the result: they stay as they are, and whatever
-/// meets them does not count.
+/// meets them does not count. `spanning_faces` (ascending, those too) may change where faces meet,
+/// but not for a fold: around an opening they may well lie on the surface.
 RepairReport repair_self_intersections(SurfaceMesh& mesh, const RepairOptions& options,
                                        Progress& progress,
-                                       const std::vector<Index>& opening_faces = {});
+                                       const std::vector<Index>& opening_faces = {},
+                                       const std::vector<Index>& spanning_faces = {});
 
 }  // namespace shrinkwrap

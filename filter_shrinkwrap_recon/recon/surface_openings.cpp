@@ -8,8 +8,8 @@
 #include <queue>
 #include <utility>
 
+#include "face_patches.h"
 #include "harmonic_surface.h"
-#include "one_ring.h"
 #include "parallel.h"
 #include "self_intersection.h"
 #include "sort_unique.h"

@@ -1,4 +1,4 @@
-#include "intersection_annealing.h"
+#include "patch_annealing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,6 +6,7 @@
 
 #include "sample_relocation.h"
 #include "sort_unique.h"
+#include "triangle_geometry.h"
 
 namespace shrinkwrap {
 namespace {
@@ -37,6 +38,7 @@ class Annealing {
   }
 
   bool run(std::int64_t& moves_left, Progress& progress, double stage_done) {
+    if (is_bending_the_goal()) bending_ = bending_of_patch();
     const State at_first = state();
     State best = at_first;
     const std::int64_t moves = std::min<std::int64_t>(
@@ -51,13 +53,13 @@ class Annealing {
         relocate();
       else
         flip();
-      if (meetings_.pair_count() >= best.pair_count) continue;
+      if (!is_better_than(best, at_first.pair_count)) continue;
       best = state();
-      if (best.pairs.empty()) break;
+      if (!is_bending_the_goal() && best.pairs.empty()) break;
     }
     moves_left -= move;
     restore(best);
-    if (best.pair_count == at_first.pair_count) return false;
+    if (!is_better_than(at_first, at_first.pair_count)) return false;
     settle();
     return true;
   }
@@ -66,16 +68,40 @@ class Annealing {
   // The patch, to come back to.
   struct State {
     Index pair_count;                       // of the mesh
+    double bending;                         // of the patch, if that is the goal
     std::vector<FaceMeetings::Pair> pairs;  // of the patch
     SurfaceMesh::Patch patch;
   };
   State state() const {
-    return {meetings_.pair_count(), meetings_.pairs_of(patch_), mesh_.copy_patch(patch_)};
+    return {meetings_.pair_count(), bending_, meetings_.pairs_of(patch_), mesh_.copy_patch(patch_)};
   }
   void restore(const State& state) {
     mesh_.restore_patch(state.patch);
     meetings_.update_boxes(patch_);
     meetings_.replace(patch_, state.pairs);
+    bending_ = state.bending;
+  }
+  bool is_bending_the_goal() const {
+    return options_.goal == AnnealingOptions::Goal::least_bending;
+  }
+  bool is_better_than(const State& best, Index most_pairs) const {
+    if (!is_bending_the_goal()) return meetings_.pair_count() < best.pair_count;
+    return meetings_.pair_count() <= most_pairs &&
+           bending_ < (1.0 - options_.least_gain) * best.bending;
+  }
+  // As HingeShape has it, over all edges of the patch.
+  double bending_of_patch() const {
+    double sum = 0.0;
+    for (const Index f : patch_) {
+      const Vec3 normal = unit_or_zero(mesh_.area_vector(f));
+      for (Index h = 3 * f; h < 3 * f + 3; ++h) {
+        const Index across = SurfaceMesh::face(mesh_.twin(h));
+        if (across < f && is_inside(across)) continue;  // counted there
+        sum += (mesh_.position[mesh_.target(h)] - mesh_.position[mesh_.origin(h)]).norm() *
+               (1.0 - normal.dot(unit_or_zero(mesh_.area_vector(across))));
+      }
+    }
+    return sum;
   }
 
   // Even over [0, 1).
@@ -90,7 +116,9 @@ class Annealing {
 
   void relocate() {
     const RelocationLimits limits = {limits_.least_height, static_cast<int>(tolerance()), &patch_};
-    relocate_sample(mesh_, meetings_, any_of(vertices_), hinges_.fixed_faces(), limits);
+    const std::vector<Index> changed =
+        relocate_sample(mesh_, meetings_, any_of(vertices_), hinges_.fixed_faces(), limits);
+    if (is_bending_the_goal() && !changed.empty()) bending_ = bending_of_patch();
   }
 
   template <class MostPairs>
@@ -100,11 +128,13 @@ class Annealing {
 
   void flip() {
     const Index h = 3 * any_of(patch_) + static_cast<Index>(3.0 * chance());
-    try_flip(h, [&](const HingeShape& now, const HingeShape& then) {
+    double added = 0.0;
+    const auto most_pairs = [&](const HingeShape& now, const HingeShape& then) {
+      added = then.bending - now.bending;
       return hinges_.pair_count_at(h) +
-             static_cast<std::ptrdiff_t>(
-                 std::floor(tolerance() - bending_scale_ * (then.bending - now.bending)));
-    });
+             static_cast<std::ptrdiff_t>(std::floor(tolerance() - bending_scale_ * added));
+    };
+    if (try_flip(h, most_pairs)) bending_ += added;
   }
 
   // Flips while that lowers the bending at no more pairs.
@@ -129,6 +159,7 @@ class Annealing {
   std::mt19937 random_;
   std::vector<Index> vertices_;  // of the patch, ascending
   double bending_scale_ = 0.0, temperature_ = 0.0;
+  double bending_ = 0.0;  // of the patch, if that is the goal
 };
 
 }  // namespace

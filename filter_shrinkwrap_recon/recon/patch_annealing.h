@@ -1,4 +1,4 @@
-// Faces that still meet where no single change helps: their surroundings are tiled anew, by chance.
+// A patch of faces that no single change makes better is tiled anew, by chance.
 #pragma once
 
 #include <cstdint>
@@ -11,25 +11,31 @@
 namespace shrinkwrap {
 
 struct AnnealingOptions {
+  /// Of which tiling is the best: the fewest pairs of faces that meet, or, of no more pairs than at
+  /// first, the least bending (see HingeShape).
+  enum class Goal { fewest_pairs, least_bending };
+  Goal goal = Goal::fewest_pairs;
+  /// The part of the bending that a tiling must spare to be better, where that is the goal.
+  double least_gain = 0.03;
   /// Flips and relocations that are tried, for each face of the patch.
   int moves_per_face = 100;
   /// At the start and the end, in pairs of faces: a change that adds so many is made with a chance
   /// of 1/e.
   double first_temperature = 1.0, last_temperature = 0.02;
-  /// What bending by the length of an edge counts beside a pair of faces (see HingeShape).
+  /// What bending by the length of an edge counts beside a pair of faces.
   double bending_weight = 0.6;
   double relocations = 0.15;  ///< the part of the moves that relocates a sample
 };
 
 /// Flips edges and relocates samples (sample_relocation.h) at random within a patch of faces, those
 /// that add pairs or bend the mesh with a chance that falls as the patch "cools" (simulated
-/// annealing: Kirkpatrick, Gelatt and Vecchi 1983; of triangulations: Schumaker 1993). The state of
-/// the fewest pairs is kept, and its edges are flipped while that bends the mesh less at no more
-/// pairs. Without a state of fewer pairs than at first the patch is as before.
+/// annealing: Kirkpatrick, Gelatt and Vecchi 1983; of triangulations: Schumaker 1993). The best
+/// state is kept, and its edges are flipped while that bends the mesh less at no more pairs.
+/// Without a state that is better than the first the patch is as before.
 ///
 /// `patch`: faces, ascending; others do not change, and the fixed faces of `hinges` neither.
-/// `moves_left` is lowered by the moves tried, which stop at 0. Returns true if there are fewer
-/// pairs. The vertices do not move, and the mesh stays a closed 2-manifold of the same topology.
+/// `moves_left` is lowered by the moves tried, which stop at 0. Returns true if the patch is
+/// better. The vertices do not move, and the mesh stays a closed 2-manifold of the same topology.
 /// Deterministic: the same patch draws the same numbers. Progress stays at `stage_done`; throws
 /// Cancelled.
 bool anneal_patch(HingeFlips& hinges, const std::vector<Index>& patch, const FlipLimits& limits,

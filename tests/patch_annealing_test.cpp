@@ -1,5 +1,5 @@
 // Patches of spoilt meshes, annealed.
-#include "intersection_annealing.h"
+#include "patch_annealing.h"
 
 #include <gtest/gtest.h>
 
@@ -70,7 +70,19 @@ SurfaceMesh spoilt_sphere(unsigned seed, double shift = 0.1, int flips = 60) {
   return mesh;
 }
 
-TEST(IntersectionAnnealing, PartsAKnot) {
+double bending_of(const SurfaceMesh& mesh) {
+  double sum = 0.0;
+  for (Index h = 0; h < mesh.halfedge_slots(); ++h) {
+    const Vec3 edge = mesh.position[mesh.target(h)] - mesh.position[mesh.origin(h)];
+    const double cosine = mesh.area_vector(SurfaceMesh::face(h))
+                              .normalized()
+                              .dot(mesh.area_vector(SurfaceMesh::face(mesh.twin(h))).normalized());
+    sum += 0.5 * edge.norm() * (1.0 - cosine);
+  }
+  return sum;
+}
+
+TEST(PatchAnnealing, PartsAKnot) {
   Index at_first = 0, left = 0;
   for (unsigned seed = 0; seed < 10; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -92,7 +104,7 @@ TEST(IntersectionAnnealing, PartsAKnot) {
   EXPECT_EQ(left, 0);
 }
 
-TEST(IntersectionAnnealing, ChanceAndRelocationsAreOfUse) {
+TEST(PatchAnnealing, ChanceAndRelocationsAreOfUse) {
   const std::vector<Index> patch = cap_of(icosphere(3), 0.85);
   const auto left_with = [&](const AnnealingOptions& options) {
     Index left = 0;
@@ -112,28 +124,45 @@ TEST(IntersectionAnnealing, ChanceAndRelocationsAreOfUse) {
   EXPECT_LT(left, 0.1 * left_with(only_flips));
 }
 
-TEST(IntersectionAnnealing, LeavesTheMeshSmooth) {
-  const auto bending = [](const SurfaceMesh& mesh) {
-    double sum = 0.0;
-    for (Index h = 0; h < mesh.halfedge_slots(); ++h) {
-      const Vec3 edge = mesh.position[mesh.target(h)] - mesh.position[mesh.origin(h)];
-      const double cosine =
-          mesh.area_vector(SurfaceMesh::face(h))
-              .normalized()
-              .dot(mesh.area_vector(SurfaceMesh::face(mesh.twin(h))).normalized());
-      sum += 0.5 * edge.norm() * (1.0 - cosine);
-    }
-    return sum;
-  };
+TEST(PatchAnnealing, LeavesTheMeshSmooth) {
   SurfaceMesh mesh = spoilt_sphere(1);
-  const double spoilt = bending(mesh);
+  const double spoilt = bending_of(mesh);
   Progress progress;
   anneal(mesh, cap_of(icosphere(3), 0.85), progress);
   ASSERT_EQ(count_pairs(mesh), 0);
-  EXPECT_LT(bending(mesh), 0.6 * spoilt);
+  EXPECT_LT(bending_of(mesh), 0.6 * spoilt);
 }
 
-TEST(IntersectionAnnealing, WithoutSuccessThePatchIsAsBefore) {
+TEST(PatchAnnealing, BendingMayBeTheGoal) {
+  AnnealingOptions options;
+  options.goal = AnnealingOptions::Goal::least_bending;
+  const std::vector<Index> patch = cap_of(icosphere(3), 0.85);
+  Progress progress;
+  const auto anneal_once = [&](SurfaceMesh& mesh) {
+    FaceMeetings meetings(mesh, kManyTests, progress);
+    const std::vector<Index> none;
+    HingeFlips hinges(mesh, meetings, none);
+    std::int64_t moves = 1000000;
+    return anneal_patch(hinges, patch, kLimits, options, moves, progress, 0.0);
+  };
+  const double smooth = bending_of(icosphere(3));
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    SurfaceMesh mesh = spoilt_sphere(seed, 0.0);  // the vertices are on the sphere
+    const Index pairs = count_pairs(mesh);
+    const double spoilt = bending_of(mesh);
+    EXPECT_TRUE(anneal_once(mesh));
+    EXPECT_LE(count_pairs(mesh), pairs);
+    EXPECT_LT(bending_of(mesh) - smooth, 0.1 * (spoilt - smooth));
+    expect_closed_manifold(mesh, 1, 0);
+  }
+  // There is nothing to be gained, and what was tried is taken back.
+  SurfaceMesh mesh = icosphere(3);
+  EXPECT_FALSE(anneal_once(mesh));
+  EXPECT_EQ(mesh.triangles(), icosphere(3).triangles());
+}
+
+TEST(PatchAnnealing, WithoutSuccessThePatchIsAsBefore) {
   // No edges part them.
   SurfaceMesh mesh = crossing_spheres(1);
   std::vector<Index> patch(static_cast<std::size_t>(mesh.face_slots()));
@@ -151,7 +180,7 @@ TEST(IntersectionAnnealing, WithoutSuccessThePatchIsAsBefore) {
   EXPECT_GT(again.moves, 0);
 }
 
-TEST(IntersectionAnnealing, MakesNoMoreMovesThanItMay) {
+TEST(PatchAnnealing, MakesNoMoreMovesThanItMay) {
   const std::vector<Index> patch = cap_of(icosphere(3), 0.85);
   Progress progress;
   AnnealingOptions options;
@@ -166,7 +195,7 @@ TEST(IntersectionAnnealing, MakesNoMoreMovesThanItMay) {
   EXPECT_FALSE(anneal(mesh, {}, progress).has_helped);
 }
 
-TEST(IntersectionAnnealing, FixedFacesStay) {
+TEST(PatchAnnealing, FixedFacesStay) {
   SurfaceMesh mesh = spoilt_sphere(3);
   const SurfaceMesh before = mesh;
   const std::vector<Index> patch = cap_of(icosphere(3), 0.85);
@@ -177,7 +206,7 @@ TEST(IntersectionAnnealing, FixedFacesStay) {
   EXPECT_NE(mesh.triangles(), before.triangles());
 }
 
-TEST(IntersectionAnnealing, SameEveryTime) {
+TEST(PatchAnnealing, SameEveryTime) {
   const std::vector<Index> patch = cap_of(icosphere(3), 0.85);
   Progress progress;
   SurfaceMesh first = spoilt_sphere(4), second = spoilt_sphere(4);
@@ -186,7 +215,7 @@ TEST(IntersectionAnnealing, SameEveryTime) {
   EXPECT_EQ(first.triangles(), second.triangles());
 }
 
-TEST(IntersectionAnnealing, CanBeCancelled) {
+TEST(PatchAnnealing, CanBeCancelled) {
   SurfaceMesh mesh = spoilt_sphere(5);
   Progress progress([](double, const char*) { return false; }, {Stage::edge_optimisation});
   Progress silent;

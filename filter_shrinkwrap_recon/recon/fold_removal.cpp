@@ -1,0 +1,88 @@
+#include "fold_removal.h"
+
+#include <cmath>
+
+#include "face_patches.h"
+#include "parallel.h"
+#include "triangle_geometry.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr Index kGrain = 1 << 12;
+constexpr int kMostPasses = 32;  // of flips
+constexpr FlipLimits kLimits{-1.0, 1e-8};
+constexpr std::int64_t kLeastMoves = 20000, kMovesPerFace = 2;
+constexpr std::int64_t kTestsPerMove = 30;
+constexpr std::size_t kLargestPatch = 500;  // faces
+
+// Flips at the folds and in the ring of faces around them, while one of the five edges of the hinge
+// is a fold and they bend less for the flip.
+Index flip_folds(HingeFlips& hinges, const std::vector<Index>& faces, double fold_cosine) {
+  Index flips = 0;
+  for (const Index h : edges_of(hinges.mesh(), faces_near(hinges.mesh(), faces, 1))) {
+    const auto most_pairs = [&](const HingeShape& now, const HingeShape& then) {
+      return now.sharpest < fold_cosine && bends_less(then, now) ? hinges.pair_count_at(h) : -1;
+    };
+    if (hinges.try_flip(h, kLimits, most_pairs)) ++flips;
+  }
+  return flips;
+}
+
+Index anneal_folds(HingeFlips& hinges, const std::vector<Index>& faces,
+                   const AnnealingOptions& options, Progress& progress) {
+  const SurfaceMesh& mesh = hinges.mesh();
+  std::int64_t moves_left = kLeastMoves + kMovesPerFace * mesh.face_slots();
+  hinges.meetings().grant(kTestsPerMove * moves_left);
+  Index annealed = 0;
+  for (const std::vector<Index>& cluster : clusters_of(mesh, faces)) {
+    progress.update(1.0);
+    const std::vector<Index> patch = faces_near(mesh, cluster, 1);
+    if (moves_left <= 0 || patch.size() > kLargestPatch) break;
+    if (anneal_patch(hinges, patch, kLimits, options, moves_left, progress, 1.0)) ++annealed;
+  }
+  return annealed;
+}
+
+}  // namespace
+
+std::vector<Index> folded_faces(const SurfaceMesh& mesh, const FoldOptions& options,
+                                Progress& progress, const std::vector<Index>& fixed_faces) {
+  const double fold_cosine = std::cos(options.angle);
+  std::vector<char> is_fixed(fixed_faces.empty() ? 0 : mesh.face_slots());
+  for (const Index f : fixed_faces) is_fixed[f] = 1;
+  std::vector<char> is_folded(static_cast<std::size_t>(mesh.face_slots()));
+  parallel_for_each(mesh.face_slots(), kGrain, progress, [&](Index f) {
+    const Vec3 area = mesh.area_vector(f);
+    for (Index h = 3 * f; h < 3 * f + 3; ++h) {
+      const Index g = SurfaceMesh::face(mesh.twin(h));
+      if (!is_fixed.empty() && (is_fixed[f] || is_fixed[g])) continue;
+      const Vec3 across = mesh.area_vector(g);
+      if (area.dot(across) < fold_cosine * area.norm() * across.norm()) is_folded[f] = 1;
+    }
+  });
+  std::vector<Index> faces;
+  for (Index f = 0; f < mesh.face_slots(); ++f)
+    if (is_folded[f]) faces.push_back(f);
+  return faces;
+}
+
+FoldReport remove_folds(HingeFlips& hinges, const FoldOptions& options, Progress& progress) {
+  const SurfaceMesh& mesh = hinges.mesh();
+  const auto folded = [&] { return folded_faces(mesh, options, progress, hinges.fixed_faces()); };
+  FoldReport report;
+  std::vector<Index> faces = folded();
+  report.faces_before = report.faces_after = static_cast<Index>(faces.size());
+  if (faces.empty() || report.faces_before > options.most_folded * mesh.face_count()) return report;
+  for (int pass = 0; pass < kMostPasses && !faces.empty(); ++pass) {
+    const Index flips = flip_folds(hinges, faces, std::cos(options.angle));
+    if (flips == 0) break;
+    report.flips += flips;
+    faces = folded();
+  }
+  report.annealed = anneal_folds(hinges, faces, options.annealing, progress);
+  report.faces_after = static_cast<Index>(folded().size());
+  return report;
+}
+
+}  // namespace shrinkwrap
