@@ -11,35 +11,35 @@ namespace {
 
 constexpr Index kGrain = 1 << 12;
 constexpr int kMostPasses = 32;  // of flips
-constexpr FlipLimits kLimits{-1.0, 1e-8};
+// Slivers are made only where the folds stay without them.
+constexpr FlipLimits kLimits[] = {{-1.0, 1e-2}, {-1.0, 1e-8}};
 constexpr std::int64_t kLeastMoves = 20000, kMovesPerFace = 2;
 constexpr std::int64_t kTestsPerMove = 30;
 constexpr std::size_t kLargestPatch = 500;  // faces
 
 // Flips at the folds and in the ring of faces around them, while one of the five edges of the hinge
 // is a fold and they bend less for the flip.
-Index flip_folds(HingeFlips& hinges, const std::vector<Index>& faces, double fold_cosine) {
+Index flip_folds(HingeFlips& hinges, const std::vector<Index>& faces, double fold_cosine,
+                 const FlipLimits& limits) {
   Index flips = 0;
   for (const Index h : edges_of(hinges.mesh(), faces_near(hinges.mesh(), faces, 1))) {
     const auto most_pairs = [&](const HingeShape& now, const HingeShape& then) {
       return now.sharpest < fold_cosine && bends_less(then, now) ? hinges.pair_count_at(h) : -1;
     };
-    if (hinges.try_flip(h, kLimits, most_pairs)) ++flips;
+    if (hinges.try_flip(h, limits, most_pairs)) ++flips;
   }
   return flips;
 }
 
-Index anneal_folds(HingeFlips& hinges, const std::vector<Index>& faces,
-                   const AnnealingOptions& options, Progress& progress) {
+Index anneal_folds(HingeFlips& hinges, const std::vector<Index>& faces, const FlipLimits& limits,
+                   const AnnealingOptions& options, std::int64_t& moves_left, Progress& progress) {
   const SurfaceMesh& mesh = hinges.mesh();
-  std::int64_t moves_left = kLeastMoves + kMovesPerFace * mesh.face_slots();
-  hinges.meetings().grant(kTestsPerMove * moves_left);
   Index annealed = 0;
   for (const std::vector<Index>& cluster : clusters_of(mesh, faces)) {
     progress.update(1.0);
     const std::vector<Index> patch = faces_near(mesh, cluster, 1);
     if (moves_left <= 0 || patch.size() > kLargestPatch) break;
-    if (anneal_patch(hinges, patch, kLimits, options, moves_left, progress, 1.0)) ++annealed;
+    if (anneal_patch(hinges, patch, limits, options, moves_left, progress, 1.0)) ++annealed;
   }
   return annealed;
 }
@@ -74,14 +74,19 @@ FoldReport remove_folds(HingeFlips& hinges, const FoldOptions& options, Progress
   std::vector<Index> faces = folded();
   report.faces_before = report.faces_after = static_cast<Index>(faces.size());
   if (faces.empty() || report.faces_before > options.most_folded * mesh.face_count()) return report;
-  for (int pass = 0; pass < kMostPasses && !faces.empty(); ++pass) {
-    const Index flips = flip_folds(hinges, faces, std::cos(options.angle));
-    if (flips == 0) break;
-    report.flips += flips;
+  std::int64_t moves_left = kLeastMoves + kMovesPerFace * mesh.face_slots();
+  hinges.meetings().grant(kTestsPerMove * moves_left);
+  for (const FlipLimits& limits : kLimits) {
+    for (int pass = 0; pass < kMostPasses && !faces.empty(); ++pass) {
+      const Index flips = flip_folds(hinges, faces, std::cos(options.angle), limits);
+      if (flips == 0) break;
+      report.flips += flips;
+      faces = folded();
+    }
+    report.annealed += anneal_folds(hinges, faces, limits, options.annealing, moves_left, progress);
     faces = folded();
   }
-  report.annealed = anneal_folds(hinges, faces, options.annealing, progress);
-  report.faces_after = static_cast<Index>(folded().size());
+  report.faces_after = static_cast<Index>(faces.size());
   return report;
 }
 
