@@ -166,14 +166,14 @@ TEST(FoldRemoval, AnnealsWhatNoFlipUnfolds) {
 
 TEST(FoldRemoval, MakesSliversOnlyAtLast) {
   int with_slivers = 0;
-  for (unsigned seed = 0; seed < 40; ++seed) {
+  for (unsigned seed = 0; seed < 16; ++seed) {
     // Rows of vertices that are nearly in line: where they fold, most flips make slivers.
     SurfaceMesh mesh = with_exchanged_vertices(torus_mesh(200, 66), 4, seed);
     ASSERT_GT(least_height(mesh), 0.01);
     remove(mesh);
     with_slivers += least_height(mesh) < 0.01;
   }
-  EXPECT_LT(with_slivers, 16);  // 22 if they may come first
+  EXPECT_LT(with_slivers, 6);  // 8 if they may come first
 }
 
 TEST(FoldRemoval, LeavesTheRimOfABlade) {
@@ -209,6 +209,22 @@ TEST(FoldRemoval, FixedFacesStay) {
   remove(mesh, {}, fixed);
   for (const Index f : fixed) EXPECT_EQ(mesh.triangle(f), before.triangle(f));
   EXPECT_NE(mesh.triangles(), before.triangles());
+}
+
+TEST(FoldRemoval, RemovedFacesDoNotMatter) {
+  SurfaceMesh mesh = sphere_with_overturned_vertices(4, 6);
+  Random random(7);
+  for (int i = 0; i < 100; ++i) {
+    const Index h = random.below(mesh.halfedge_slots());
+    if (!mesh.is_removed_face(SurfaceMesh::face(h)) && mesh.is_collapse_legal(h)) mesh.collapse(h);
+  }
+  ASSERT_LT(mesh.face_count(), mesh.face_slots());
+  Progress progress;
+  for (const Index f : folded_faces(mesh, {}, progress)) EXPECT_FALSE(mesh.is_removed_face(f));
+  EXPECT_GT(count_folded(mesh), 0u);
+  remove(mesh);
+  EXPECT_EQ(count_folded(mesh), 0u);
+  EXPECT_TRUE(mesh.is_consistent());
 }
 
 TEST(FoldRemoval, SameEveryTime) {

@@ -53,6 +53,7 @@ std::vector<Index> folded_faces(const SurfaceMesh& mesh, const FoldOptions& opti
   for (const Index f : fixed_faces) is_fixed[f] = 1;
   std::vector<char> is_folded(static_cast<std::size_t>(mesh.face_slots()));
   parallel_for_each(mesh.face_slots(), kGrain, progress, [&](Index f) {
+    if (mesh.is_removed_face(f)) return;
     const Vec3 area = mesh.area_vector(f);
     for (Index h = 3 * f; h < 3 * f + 3; ++h) {
       const Index g = SurfaceMesh::face(mesh.twin(h));
