@@ -1,6 +1,7 @@
 #include "face_patches.h"
 
 #include <algorithm>
+#include <unordered_set>
 
 #include "sort_unique.h"
 
@@ -39,23 +40,26 @@ std::vector<std::vector<Index>> clusters_of(
     const SurfaceMesh& mesh, const std::vector<Index>& faces,
     const std::function<const std::vector<Index>&(Index)>& linked) {
   std::vector<char> is_taken(faces.size(), 0);
+  std::unordered_set<Index> seen;  // vertices: each star is looked at once, however large it is
   std::vector<std::vector<Index>> clusters;
   for (std::size_t first = 0; first < faces.size(); ++first) {
     if (is_taken[first]) continue;
     std::vector<Index> cluster;
-    const auto take = [&](const std::vector<Index>& near) {
-      for (const Index f : near) {
-        const auto place = std::lower_bound(faces.begin(), faces.end(), f) - faces.begin();
-        const auto i = static_cast<std::size_t>(place);
-        if (i == faces.size() || faces[i] != f || is_taken[i]) continue;
-        is_taken[i] = 1;
-        cluster.push_back(f);
-      }
+    const auto take = [&](Index f) {
+      const auto place = std::lower_bound(faces.begin(), faces.end(), f) - faces.begin();
+      const auto i = static_cast<std::size_t>(place);
+      if (i == faces.size() || faces[i] != f || is_taken[i]) return;
+      is_taken[i] = 1;
+      cluster.push_back(f);
     };
-    take({faces[first]});
+    take(faces[first]);
     for (std::size_t i = 0; i < cluster.size(); ++i) {
-      if (linked) take(linked(cluster[i]));
-      take(faces_near(mesh, {cluster[i]}, 1));
+      const Index f = cluster[i];
+      if (linked)
+        for (const Index g : linked(f)) take(g);
+      for (const Index v : mesh.triangle(f))
+        if (seen.insert(v).second)
+          mesh.for_each_outgoing(v, [&](Index h) { take(SurfaceMesh::face(h)); });
     }
     std::sort(cluster.begin(), cluster.end());
     clusters.push_back(std::move(cluster));
