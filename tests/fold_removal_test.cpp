@@ -206,6 +206,9 @@ TEST(FoldRemoval, FixedFacesStay) {
   Progress progress;
   const std::vector<Index> folded = folded_faces(mesh, {}, progress);
   const std::vector<Index> fixed(folded.begin(), folded.begin() + 3);
+  const std::vector<Index> others = folded_faces(mesh, {}, progress, fixed);
+  EXPECT_LE(others.size() + fixed.size(), folded.size());
+  for (const Index f : fixed) EXPECT_FALSE(std::binary_search(others.begin(), others.end(), f));
   remove(mesh, {}, fixed);
   for (const Index f : fixed) EXPECT_EQ(mesh.triangle(f), before.triangle(f));
   EXPECT_NE(mesh.triangles(), before.triangles());
