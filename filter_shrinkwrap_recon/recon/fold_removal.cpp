@@ -13,9 +13,6 @@ constexpr Index kGrain = 1 << 12;
 constexpr int kMostPasses = 32;  // of flips
 // Slivers are made only where the folds stay without them.
 constexpr FlipLimits kLimits[] = {{-1.0, 1e-2}, {-1.0, 1e-8}};
-constexpr std::int64_t kLeastMoves = 20000, kMovesPerFace = 2;
-constexpr std::int64_t kTestsPerMove = 30;
-constexpr std::size_t kLargestPatch = 500;  // faces
 
 // Flips at the folds and in the ring of faces around them, while one of the five edges of the hinge
 // is a fold and they bend less for the flip.
@@ -37,8 +34,9 @@ Index anneal_folds(HingeFlips& hinges, const std::vector<Index>& faces, const Fl
   Index annealed = 0;
   for (const std::vector<Index>& cluster : clusters_of(mesh, faces)) {
     progress.update(1.0);
+    if (moves_left <= 0) break;
     const std::vector<Index> patch = faces_near(mesh, cluster, 1);
-    if (moves_left <= 0 || patch.size() > kLargestPatch) break;
+    if (patch.size() > kLargestPatch) continue;  // one vertex may have that many faces
     if (anneal_patch(hinges, patch, limits, options, moves_left, progress, 1.0)) ++annealed;
   }
   return annealed;
@@ -75,7 +73,7 @@ FoldReport remove_folds(HingeFlips& hinges, const FoldOptions& options, Progress
   std::vector<Index> faces = folded();
   report.faces_before = report.faces_after = static_cast<Index>(faces.size());
   if (faces.empty() || report.faces_before > options.most_folded * mesh.face_count()) return report;
-  std::int64_t moves_left = kLeastMoves + kMovesPerFace * mesh.face_slots();
+  std::int64_t moves_left = most_moves(mesh);
   hinges.meetings().grant(kTestsPerMove * moves_left);
   for (const FlipLimits& limits : kLimits) {
     for (int pass = 0; pass < kMostPasses && !faces.empty(); ++pass) {
@@ -84,7 +82,10 @@ FoldReport remove_folds(HingeFlips& hinges, const FoldOptions& options, Progress
       report.flips += flips;
       faces = folded();
     }
-    report.annealed += anneal_folds(hinges, faces, limits, options.annealing, moves_left, progress);
+    const Index annealed =
+        anneal_folds(hinges, faces, limits, options.annealing, moves_left, progress);
+    if (annealed == 0) continue;
+    report.annealed += annealed;
     faces = folded();
   }
   report.faces_after = static_cast<Index>(faces.size());

@@ -27,11 +27,8 @@ constexpr std::int64_t kLeastTests = 1000000, kLeastTestsIfHopeless = 200000;
 constexpr double kHopeless = 0.9;  // of all faces: if more meet others at first
 constexpr std::int64_t kTestsPerFace = 20;
 constexpr std::int64_t kTrialsOfRelocation = 50;
-// Beside that there are moves of annealing, 20 for each trial that is allowed for a face, and no
-// more than so many; and tests for them. Larger patches are heaps.
-constexpr std::int64_t kMovesPerTrial = 20, kLeastMoves = 20000, kMovesPerFace = 2;
-constexpr std::int64_t kTestsPerMove = 30;
-constexpr std::size_t kLargestPatch = 500;
+// Beside that there are moves of annealing, so many for each trial that is allowed for a face.
+constexpr std::int64_t kMovesPerTrial = 20;
 constexpr double kMostMeeting = 0.2;  // of all faces: if more meet others, all of it is a heap
 constexpr Index kPollInterval = 8;
 
@@ -243,7 +240,7 @@ void Repair::part_faces(RepairReport& report) {
       options_.max_trials > 0 ? options_.max_trials : kLeastTrials + mesh_.face_slots();
   trials_left_ = std::min(max_trials, options_.max_trials_per_face * report.faces_before);
 
-  moves_left_ = std::min(kLeastMoves + kMovesPerFace * mesh_.face_slots(),
+  moves_left_ = std::min(most_moves(mesh_),
                          kMovesPerTrial * options_.max_trials_per_face * report.faces_before);
 
   progress_.set_range(0.8, 1.0);

@@ -1,6 +1,7 @@
 // A patch of faces that no single change makes better is tiled anew, by chance.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -26,6 +27,14 @@ struct AnnealingOptions {
   double bending_weight = 0.6;
   double relocations = 0.15;  ///< the part of the moves that relocates a sample
 };
+
+/// What all patches of a mesh may take together: moves, and tests of pairs of faces for each.
+/// Patches of more faces are heaps, and of no use to try.
+inline std::int64_t most_moves(const SurfaceMesh& mesh) {
+  return 20000 + 2 * static_cast<std::int64_t>(mesh.face_slots());
+}
+constexpr std::int64_t kTestsPerMove = 30;
+constexpr std::size_t kLargestPatch = 500;
 
 /// Flips edges and relocates samples (sample_relocation.h) at random within a patch of faces, those
 /// that add pairs or bend the mesh with a chance that falls as the patch "cools" (simulated
