@@ -513,10 +513,10 @@ TEST(Openings, ThatAreLeftOpenStayOpen) {
   expect_closed_manifold(mesh, 1, 0);
 }
 
-TEST(Openings, KeepAnExtraVertexThatCannotGo) {
-  // An icosahedron, its last corner extra, and a needle inside that stands below that corner: any
-  // face between the neighbours of the corner would cut the needle.
-  SurfaceMesh icosahedron = testing::icosphere(0);
+// An icosahedron, its last corner extra, and a needle inside that stands below that corner: any
+// face between the neighbours of the corner would cut the needle.
+SurfaceMesh icosahedron_with_needle() {
+  const SurfaceMesh icosahedron = testing::icosphere(0);
   const Vec3 tip = icosahedron.position.back(), across = tip.unitOrthogonal() * 0.01;
   std::vector<Vec3> positions = {0.9 * tip, -0.5 * tip, -0.5 * tip + across,
                                  -0.5 * tip + tip.cross(across)};
@@ -526,7 +526,11 @@ TEST(Openings, KeepAnExtraVertexThatCannotGo) {
     for (Index& v : t) v += 4;
     triangles.push_back(t);
   }
-  SurfaceMesh mesh = SurfaceMesh::from_triangles(positions, triangles);
+  return SurfaceMesh::from_triangles(positions, triangles);
+}
+
+TEST(Openings, KeepAnExtraVertexThatCannotGo) {
+  SurfaceMesh mesh = icosahedron_with_needle();
   Progress silent;
   const Closing closing = close_openings(mesh, mesh.vertex_slots() - 1, silent);
   EXPECT_EQ(mesh.vertex_count(), mesh.vertex_slots());
@@ -535,9 +539,27 @@ TEST(Openings, KeepAnExtraVertexThatCannotGo) {
   EXPECT_EQ(self_intersecting_faces(mesh), 0);
 
   // Without the needle it goes.
+  SurfaceMesh icosahedron = testing::icosphere(0);
   const Index last = icosahedron.vertex_slots() - 1;
   close_openings(icosahedron, last, silent);
   EXPECT_TRUE(icosahedron.is_removed_vertex(last));
+}
+
+// Three faces of the needle stand in the way of one of the three that close the corner.
+TEST(Openings, LoseAnExtraVertexWithNoMoreCutsThanAllowed) {
+  for (const Index most_cuts : {2, 3, 64}) {
+    SCOPED_TRACE(most_cuts);
+    SurfaceMesh mesh = icosahedron_with_needle();
+    const Index last = mesh.vertex_slots() - 1;
+    Progress silent;
+    ClosingOptions options;
+    options.most_cuts = most_cuts;
+    close_openings(mesh, last, silent, {}, options);
+    EXPECT_EQ(mesh.is_removed_vertex(last), most_cuts >= 3);
+    mesh.compact();
+    expect_closed_manifold(mesh, 2, 0);
+    EXPECT_EQ(self_intersecting_faces(mesh), most_cuts >= 3 ? 4 : 0);
+  }
 }
 
 // A disc whose rim of samples has one vertex on either side, the last of which is no sample.

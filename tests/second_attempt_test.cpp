@@ -24,6 +24,7 @@ Reconstruction with_faults(MatchingFaults faults) {
   run.intersection_repair.faces_before_annealing = faults.meeting;
   run.intersection_repair.faces_after = faults.still_meeting;
   run.complete_matching.extra_vertices = faults.extra_vertices;
+  run.complete_matching.cut_out = faults.cut_out;
   return run;
 }
 
@@ -63,6 +64,19 @@ TEST(SecondAttempt, IsTakenIfItsFaultsWeighLess) {
 TEST(SecondAttempt, IsNotTakenForFewerAnnealedFacesAtThePriceOfExtraVertices) {
   EXPECT_FALSE(after(with_faults({18, 0, 0}), with_faults({0, 0, 4})).attempt.is_taken);
   EXPECT_TRUE(after(with_faults({18, 0, 4}), with_faults({0, 0, 4})).attempt.is_taken);
+}
+
+// They were in the way of something.
+TEST(SecondAttempt, VerticesCutOutAreFaultsToo) {
+  EXPECT_TRUE(after(with_faults({0, 0, 0, 1}), with_faults({})).attempt.is_taken);
+  EXPECT_FALSE(after(with_faults({3, 0, 0, 0}), with_faults({0, 0, 0, 1})).attempt.is_taken);
+  EXPECT_TRUE(after(with_faults({0, 0, 1, 0}), with_faults({0, 0, 0, 1})).attempt.is_taken);
+}
+
+TEST(SecondAttempt, IsTakenIfItAloneKeepsThePromise) {
+  EXPECT_TRUE(after(with_faults({6, 6, 0}), with_faults({50, 0, 0})).attempt.is_taken);
+  EXPECT_TRUE(after(with_faults({0, 0, 1}), with_faults({50, 0, 0})).attempt.is_taken);
+  EXPECT_FALSE(after(with_faults({50, 0, 0}), with_faults({1, 1, 0})).attempt.is_taken);
 }
 
 TEST(SecondAttempt, IsNotTakenIfMoreFacesMeet) {

@@ -94,6 +94,7 @@ class OpeningCloser {
         progress_(progress),
         pairs_(mesh.position),
         is_open_(mesh.face_slots(), 0),
+        most_cuts_(options.most_cuts),
         max_tests_(options.max_tests > 0 ? options.max_tests
                                          : kLeastTests + kTestsPerFace * mesh.face_slots()) {
     for (const Index f : opening_faces) is_open_[f] = 1;
@@ -127,21 +128,11 @@ class OpeningCloser {
   }
 
   Closing close() {
-    int stalls = 0;
-    for (int round = 0; round < kRounds && !pending_.empty() && has_tests_left(); ++round) {
-      const bool may_turn = round >= kTurningRound;
-      std::size_t kept = 0;
-      for (Pending& pending : pending_)
-        if (!try_again(pending, may_turn)) pending_[kept++] = pending;
-      const bool is_stuck = kept == pending_.size();
-      pending_.resize(kept);
-      if (!is_stuck) continue;
-      if (!may_turn) {
-        round = kTurningRound - 1;
-        continue;
-      }
-      if (++stalls > kStalls) break;
-      for (Pending& pending : pending_) clip_again(pending);
+    remove_all();
+    while (cuts_ < most_cuts_ && !pending_.empty() && has_tests_left()) {
+      cuts_ = std::min(std::max(2 * cuts_, Index{1}), most_cuts_);
+      for (Pending& pending : pending_) pending.tried = Pending::kNever;
+      remove_all();
     }
     return std::move(closing_);
   }
@@ -158,6 +149,25 @@ class OpeningCloser {
     std::uint32_t clipped = kNever;  // ... and the last flip
     bool could_turn = false;
   };
+
+  void remove_all() {
+    int stalls = 0;
+    for (int round = 0; round < kRounds && !pending_.empty() && has_tests_left(); ++round) {
+      const bool may_turn = round >= kTurningRound;
+      std::size_t kept = 0;
+      for (Pending& pending : pending_)
+        if (!try_again(pending, may_turn)) pending_[kept++] = pending;
+      const bool is_stuck = kept == pending_.size();
+      pending_.resize(kept);
+      if (!is_stuck) continue;
+      if (!may_turn) {
+        round = kTurningRound - 1;
+        continue;
+      }
+      if (++stalls > kStalls) break;
+      for (Pending& pending : pending_) clip_again(pending);
+    }
+  }
 
   bool has_tests_left() const { return closing_.tests < max_tests_; }
   void count_tests(std::int64_t tests) {
@@ -303,7 +313,7 @@ class OpeningCloser {
         fresh_.push_back({apex, p, q});
     }
     std::rotate(fresh_.begin(), fresh_.begin() + static_cast<std::ptrdiff_t>(first), fresh_.end());
-    return fresh_cuts(is_whole && is_surely_flat_fan());
+    return fresh_cuts(is_whole && is_surely_flat_fan(), cuts_);
   }
 
   bool flip_cuts(Index h) {
@@ -312,7 +322,7 @@ class OpeningCloser {
                 d = mesh_.opposite(o);
     fresh_ = {{d, c, a}, {c, d, b}};
     replaced_ = {SurfaceMesh::face(h), SurfaceMesh::face(o)};
-    return fresh_cuts(false);
+    return fresh_cuts(false, 0);
   }
 
   // Whether there is a plane in which the fresh faces, each sharing an edge with the next, lie side
@@ -353,18 +363,19 @@ class OpeningCloser {
     return true;
   }
 
-  // Whether the fresh faces meet each other, unless that is known not to be, or any that stays but
-  // those that they replace. True also if the tests do not suffice to find out.
-  bool fresh_cuts(bool are_apart) {
+  // Whether the fresh faces form more pairs than are allowed with each other, unless it is known
+  // that they form none, or with any that stays but those that they replace. True also if the tests
+  // do not suffice to find out.
+  bool fresh_cuts(bool are_apart, Index most) {
     const auto is_gone = [&](Index f) {
       return mesh_.is_removed_face(f) || is_open_[f] ||
              std::find(replaced_.begin(), replaced_.end(), f) != replaced_.end();
     };
-    return fresh_faces_cut(mesh_, boxes_, pairs_, fresh_, are_apart, is_gone,
-                           [&](std::int64_t tests) {
-                             count_tests(tests);
-                             return has_tests_left();
-                           });
+    const auto spend = [&](std::int64_t tests) {
+      count_tests(tests);
+      return has_tests_left();
+    };
+    return count_fresh_cuts(mesh_, boxes_, pairs_, fresh_, are_apart, most, is_gone, spend) > most;
   }
 
   void collapse(Index halfedge) {
@@ -426,8 +437,9 @@ class OpeningCloser {
   Index first_extra_;
   Progress& progress_;
   TrianglePairs pairs_;
-  BoxTree boxes_;              // of the faces as they are
-  std::vector<char> is_open_;  // per face slot: it is dropped at the end, and in nobody's way
+  BoxTree boxes_;               // of the faces as they are
+  std::vector<char> is_open_;   // per face slot: it is dropped at the end, and in nobody's way
+  Index most_cuts_, cuts_ = 0;  // allowed for a removal, at last and at present
   std::vector<Pending> pending_;
   std::size_t given_ = 0;  // of these, at first
   ChangeMap changes_;
@@ -474,11 +486,12 @@ Closing close_openings(SurfaceMesh& mesh, Index first_extra, Progress& progress,
   return OpeningCloser(mesh, first_extra, opening_faces, options, progress).close();
 }
 
-Index close_openings(CompleteMatching& matching, Index samples, Progress& progress) {
+Index close_openings(CompleteMatching& matching, Index samples, Progress& progress,
+                     const ClosingOptions& options) {
   SurfaceMesh& mesh = matching.mesh;
   const Index before = mesh.vertex_count();
   const std::vector<char> spans =
-      close_openings(mesh, samples, progress, matching.opening_faces).spans;
+      close_openings(mesh, samples, progress, matching.opening_faces, options).spans;
   // Samples keep their index. Of the extra vertices only those that go change places.
   std::vector<Index> new_index(mesh.position.size(), kNone);
   Index count = 0;

@@ -14,6 +14,9 @@ struct ClosingOptions {
   /// of the mesh; openings of scans take fewer than a tenth of that. Of what costs more, vertices
   /// stay.
   std::int64_t max_tests = 0;
+  /// Pairs of faces that the removal of a vertex may make meet, where it cannot go otherwise: one
+  /// is tried first, then twice as many, and so on.
+  Index most_cuts = 0;
 };
 
 struct Closing {
@@ -23,13 +26,13 @@ struct Closing {
 };
 
 /// Removes the vertices from `first_extra` on by collapses whose new faces cut, touch or overlap
-/// nothing, so that the vertices around an opening span it; the edges among the new faces are
-/// flipped to Delaunay under the same condition. Vertices go in an order that thins them out
-/// evenly, so that faces grow evenly too; one that no collapse removes loses edges by flips first,
-/// and is tried again, up to 60 times, only where something has changed around it. One that cannot
-/// go without harm, or within the tests, stays. The `opening_faces` are to be dropped: they are in
-/// nobody's way, and only what stays is looked at; a vertex at the border goes to its nearest
-/// neighbour that leaves the borders simple loops, and each sample a face.
+/// nothing (but for `most_cuts`), so that the vertices around an opening span it; the edges among
+/// the new faces are flipped to Delaunay under the same condition. Vertices go in an order that
+/// thins them out evenly, so that faces grow evenly too; one that no collapse removes loses edges
+/// by flips first, and is tried again, up to 60 times, only where something has changed around it.
+/// One that cannot go without harm, or within the tests, stays. The `opening_faces` are to be
+/// dropped: they are in nobody's way, and only what stays is looked at; a vertex at the border goes
+/// to its nearest neighbour that leaves the borders simple loops, and each sample a face.
 ///
 /// A vertex of k faces takes k searches for each collapse that is tried, of which there are up to
 /// 32, more at borders; where the new faces turn or fold, also k^2 tests. Thinned out evenly, k is
@@ -44,6 +47,7 @@ Closing close_openings(SurfaceMesh& mesh, Index first_extra, Progress& progress,
 /// The same for a matching whose vertex i below `samples` is sample i: vertices and faces are then
 /// renumbered, the samples as they were; spanning and opening faces go along, and new ones that
 /// span are added. Returns the number of vertices removed.
-Index close_openings(CompleteMatching& matching, Index samples, Progress& progress);
+Index close_openings(CompleteMatching& matching, Index samples, Progress& progress,
+                     const ClosingOptions& options = {});
 
 }  // namespace shrinkwrap

@@ -39,6 +39,7 @@ struct CompleteMatchingReport {
   Index notches_filled = 0;   ///< triangles that straighten the borders of those left open
   Index forced_removals = 0;  ///< removals that had to turn a face
   Index extra_vertices = 0;   ///< vertices that are no sample and could not be removed without harm
+  Index cut_out = 0;  ///< such vertices that went in the end, with cuts that were parted again
 };
 
 /// A closed mesh whose vertices are the samples (then `extra_vertices` more, if any), at their

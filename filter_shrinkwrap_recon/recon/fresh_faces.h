@@ -11,42 +11,51 @@
 
 namespace shrinkwrap {
 
-/// Whether fresh faces cut the mesh: one is degenerate, meets a face of the mesh other than those
-/// for which `is_gone(face)`, or meets another fresh one (not tested if `are_apart`).
+/// The pairs that fresh faces form with faces of the mesh that they meet, other than those for
+/// which `is_gone(face)`, and with each other (not tested if `are_apart`). Counting ends above
+/// `most`, and a degenerate fresh face is above it.
 ///
 /// Bounded in tests of two triangles, so that the bound is the same on every machine: `spend(n)` is
 /// called for each n of them, a search of the tree being eight, or one for four of its groups where
-/// there are more. Where it returns false between searches the answer is true, for safety.
+/// there are more. Where it returns false between searches the answer is above `most`, for safety.
 template <class IsGone, class Spend>
-bool fresh_faces_cut(const SurfaceMesh& mesh, const BoxTree& boxes, const TrianglePairs& pairs,
-                     const std::vector<Triangle>& fresh, bool are_apart, const IsGone& is_gone,
-                     const Spend& spend) {
+Index count_fresh_cuts(const SurfaceMesh& mesh, const BoxTree& boxes, const TrianglePairs& pairs,
+                       const std::vector<Triangle>& fresh, bool are_apart, Index most,
+                       const IsGone& is_gone, const Spend& spend) {
   constexpr std::int64_t kTestsOfSearch = 8, kGroupsPerTest = 4;
   const auto is_degenerate = [&](const Triangle& t) {
     const Vec3 &a = mesh.position[t[0]], &b = mesh.position[t[1]], &c = mesh.position[t[2]];
     return !((b - a).cross(c - a).squaredNorm() > 0.0);
   };
-  for (const Triangle& t : fresh)
-    if (is_degenerate(t)) return true;
+  if (std::any_of(fresh.begin(), fresh.end(), is_degenerate)) return most + 1;
+  Index cuts = 0;
   for (const Triangle& t : fresh) {
-    if (!spend(kTestsOfSearch)) return true;
-    const auto cuts = [&](Index f) {
+    if (!spend(kTestsOfSearch)) return most + 1;
+    const auto is_enough = [&](Index f) {
       if (is_gone(f)) return false;
       spend(1);
-      return pairs.meet(t, mesh.triangle(f));
+      return pairs.meet(t, mesh.triangle(f)) && ++cuts > most;
     };
     std::int64_t groups = 0;
-    const bool is_cut = boxes.any_near(mesh.position, t, cuts, &groups);
+    boxes.any_near(mesh.position, t, is_enough, &groups);
     spend(std::max(groups / kGroupsPerTest - kTestsOfSearch, std::int64_t{0}));
-    if (is_cut) return true;
+    if (cuts > most) return cuts;
   }
-  if (are_apart) return false;
+  if (are_apart) return cuts;
   for (std::size_t i = 0; i < fresh.size(); ++i) {
-    if (!spend(static_cast<std::int64_t>(i))) return true;
+    if (!spend(static_cast<std::int64_t>(i))) return most + 1;
     for (std::size_t j = 0; j < i; ++j)
-      if (pairs.meet(fresh[i], fresh[j])) return true;
+      if (pairs.meet(fresh[i], fresh[j]) && ++cuts > most) return cuts;
   }
-  return false;
+  return cuts;
+}
+
+/// Whether there is any such pair, or a degenerate fresh face.
+template <class IsGone, class Spend>
+bool fresh_faces_cut(const SurfaceMesh& mesh, const BoxTree& boxes, const TrianglePairs& pairs,
+                     const std::vector<Triangle>& fresh, bool are_apart, const IsGone& is_gone,
+                     const Spend& spend) {
+  return count_fresh_cuts(mesh, boxes, pairs, fresh, are_apart, 0, is_gone, spend) > 0;
 }
 
 }  // namespace shrinkwrap

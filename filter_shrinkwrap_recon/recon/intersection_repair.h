@@ -57,7 +57,7 @@ struct RepairReport {
   void add(RepairReport further) {
     after = further.after;
     faces_after = further.faces_after;
-    faces_before_annealing = further.faces_before_annealing;
+    faces_before_annealing = std::max(faces_before_annealing, further.faces_before_annealing);
     remaining_faces = std::move(further.remaining_faces);
     flips += further.flips;
     relocated += further.relocated;

@@ -130,6 +130,7 @@ void match(SurfaceMesh parametric, PointCloud& cloud, const std::vector<Vec3>& p
   result.edge_optimisation = optimised.edge_optimisation;
   result.intersection_repair = std::move(optimised.intersection_repair);
   result.complete_matching.extra_vertices = optimised.extra_vertices;
+  result.complete_matching.cut_out = matching.report.cut_out;
   log.add(Stage::edge_optimisation, matching.mesh.vertex_count());
   if (options.keep_stages) result.mesh.vertex_quality = distances(result.mesh);
 }

@@ -10,7 +10,13 @@ constexpr Index kFacesPerVertex = 6;
 
 MatchingFaults faults_of(const Reconstruction& result) {
   const RepairReport& repair = result.intersection_repair;
-  return {repair.persistent_faces(), repair.faces_after, result.complete_matching.extra_vertices};
+  const CompleteMatchingReport& matching = result.complete_matching;
+  return {repair.persistent_faces(), repair.faces_after, matching.extra_vertices, matching.cut_out};
+}
+
+bool is_better(const MatchingFaults& a, const MatchingFaults& b) {
+  if (a.break_promise() != b.break_promise()) return b.break_promise();
+  return a.weight() < b.weight() && a.still_meeting <= b.still_meeting;
 }
 
 // Takes the better of two attempts, and reports it as `which`. The table tells the time that both
@@ -48,16 +54,16 @@ void try_again(Reconstruction& first, Reconstruction& second, SecondAttempt Reco
                bool is_same_surface, Progress& progress, const std::function<void()>& make) {
   SecondAttempt attempt;
   attempt.first = faults_of(first);
-  const std::size_t faulty_faces = static_cast<std::size_t>(attempt.first.meeting) +
-                                   kFacesPerVertex * attempt.first.extra_vertices;
+  const std::size_t faulty_faces =
+      static_cast<std::size_t>(attempt.first.meeting) +
+      kFacesPerVertex * (attempt.first.extra_vertices + attempt.first.cut_out);
   if (faulty_faces == 0 || faulty_faces >= first.mesh.triangles.size() / 2) return;
   attempt.is_made = true;
   second.outliers = first.outliers;  // some may be samples by now
   try {
     make();
     attempt.second = faults_of(second);
-    if (attempt.second.weight() < attempt.first.weight() &&
-        attempt.second.still_meeting <= attempt.first.still_meeting) {
+    if (is_better(attempt.second, attempt.first)) {
       PromiseOptions promise;  // that the samples are matched was seen when they were
       promise.may_be_open = true;
       promise.matches_samples = false;
