@@ -150,6 +150,18 @@ TEST(InitialMesh, ClumpsOfStrayPointsAreNoBodies) {
   expect_closed_manifold(initial_mesh_of(oriented_cloud(points)).mesh, 1, 0);
 }
 
+// Of many small bodies one has twice as many samples: the others are no debris of it.
+TEST(InitialMesh, SmallBodiesStayWhereAllAreSmall) {
+  constexpr Index kBodies = 400;
+  std::vector<Vec3> points;
+  for (Index body = 0; body < kBodies; ++body)
+    for (const Vec3& p :
+         sample_shape_blue_noise(ShapeKind::sphere, body == 0 ? 40 : 17, unsigned(body)))
+      points.push_back(p + 10.0 * Vec3(body % 20, body / 20, 0));
+  const InitialMesh initial = initial_mesh_of(oriented_cloud(points));
+  EXPECT_GT(initial.report.components, 0.98 * kBodies);
+}
+
 TEST(InitialMesh, FourPointsMakeOne) {
   const PointCloud samples = oriented_cloud({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
   expect_closed_manifold(initial_mesh_of(samples).mesh, 1, 0);

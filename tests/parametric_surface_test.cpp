@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "expect_mesh.h"
+#include "initial_mesh.h"
 #include "oriented_cloud.h"
 #include "shapes.h"
 
@@ -139,6 +141,34 @@ TEST(ParametricSurface, AMembraneIsNotPulledOntoTheSamples) {
   expect_closed_manifold(surface.mesh, 1, 0);
   EXPECT_GT(surface.report.membrane_vertices, surface.mesh.vertex_count() / 10);
   EXPECT_LT(surface.report.mean_distance, 0.2);
+}
+
+// Where two sides are close to each other, a search must not begin where another one ended.
+TEST(ParametricSurface, DistancesAreMeasuredToTheSideThatAVertexIsOn) {
+  const PointCloud samples = oriented_cloud(sample_shape(ShapeKind::thin_plate, 2000, 9));
+  ParametricSurface surface;
+  Progress silent;
+  surface.mesh = make_initial_mesh(samples, {}, silent).mesh;
+  for (Vec3& p : surface.mesh.position) p *= 1.05;
+  measure_distances(surface, samples, {}, silent);
+  const std::vector<char> is_membrane = mark_membranes(surface.mesh, samples, {}, silent);
+  EXPECT_GT(surface.report.membrane_vertices, 0);
+  EXPECT_EQ(surface.report.membrane_vertices,
+            std::count(is_membrane.begin(), is_membrane.end(), 1));
+}
+
+TEST(ParametricSurface, DistancesAreMeasuredWithoutFittingToo) {
+  const PointCloud samples = oriented_cloud(sample_shape_blue_noise(ShapeKind::sphere, 3000, 9));
+  SurfaceMesh control = icosphere(2);
+  for (Vec3& p : control.position) p *= 1.1;
+  ParametricSurfaceOptions options;
+  options.iterations = 0;
+  Progress silent;
+  const ParametricSurface surface =
+      make_parametric_surface(in_frame(control, samples.frame), samples, options, silent);
+  EXPECT_GT(surface.report.subdivisions, 0);
+  EXPECT_GT(surface.report.mean_distance, 0.5);
+  EXPECT_GE(surface.report.max_distance, surface.report.mean_distance);
 }
 
 TEST(ParametricSurface, IsTheSameForAnyNumberOfThreads) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "expect_mesh.h"
+#include "memory_estimate.h"
 #include "reconstruct.h"
 #include "shapes.h"
 
@@ -95,6 +96,19 @@ TEST(ScanLines, SameForAnyNumberOfThreads) {
   const int both = neighbours_of(points);
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   EXPECT_EQ(neighbours_of(points), both);
+}
+
+TEST(ScanLines, MoreNeighboursMustFitIntoMemory) {
+  const std::vector<Vec3> points = rings_of_torus(48, 8.0);
+  Progress silent;
+  SampleOptions options;
+  const PointCloud cloud = prepare_samples(points, options, silent);
+  ASSERT_GT(cloud.neighbour_count, options.neighbours);
+  const auto samples = static_cast<std::uint64_t>(cloud.size());
+  options.memory_limit = estimated_peak_bytes(samples, options.neighbours);
+  EXPECT_THROW(prepare_samples(points, options, silent), InvalidInput);
+  options.memory_limit = estimated_peak_bytes(samples, cloud.neighbour_count);
+  EXPECT_NO_THROW(prepare_samples(points, options, silent));
 }
 
 }  // namespace

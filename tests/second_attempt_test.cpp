@@ -92,6 +92,7 @@ TEST(SecondAttempt, IsNotTakenWithMoreHandlesOfAnotherSurface) {
 
 TEST(SecondAttempt, LeavesTheFirstIfItCannotBeFinished) {
   const std::vector<std::function<void()>> failures = {[] { throw ReconstructionFailed("none"); },
+                                                       [] { throw InvalidInput("none"); },
                                                        [] { throw std::bad_alloc(); }};
   for (const std::function<void()>& fails : failures) {
     const Outcome outcome = after(with_faults({5, 5, 0}), with_faults({}), false, fails);

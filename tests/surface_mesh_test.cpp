@@ -64,6 +64,46 @@ TEST(SurfaceMesh, RefusesWhatIsNoClosedManifold) {
   EXPECT_THROW(build(faces, corners), InvalidInput) << "a vertex with two fans";
 }
 
+// Two cones over one rim; vertices 0 and 1 are the tips.
+std::vector<Triangle> double_cone(Index rim) {
+  std::vector<Triangle> faces;
+  for (Index i = 0; i < rim; ++i) {
+    const Index from = 2 + i, to = 2 + (i + 1) % rim;
+    faces.push_back({0, from, to});
+    faces.push_back({1, to, from});
+  }
+  return faces;
+}
+
+TEST(SurfaceMesh, MatchesTheEdgesOfVerticesWithManyFaces) {
+  constexpr Index kRim = 500;
+  std::vector<Vec3> positions = {{0, 0, 1}, {0, 0, -1}};
+  for (Index i = 0; i < kRim; ++i)
+    positions.emplace_back(std::cos(2.0 * kPi * i / kRim), std::sin(2.0 * kPi * i / kRim), 0.0);
+  const std::vector<Triangle> faces = double_cone(kRim);
+  const SurfaceMesh mesh = SurfaceMesh::from_triangles(positions, faces);
+  expect_closed_manifold(mesh, 1, 0);
+  EXPECT_EQ(mesh.valence(0), kRim);
+
+  const auto expect_refused = [&](const std::vector<Triangle>& wrong, const std::string& why) {
+    try {
+      SurfaceMesh::from_triangles(positions, wrong);
+      FAIL() << why << " was accepted";
+    } catch (const InvalidInput& refusal) {
+      EXPECT_NE(std::string(refusal.what()).find(why), std::string::npos) << refusal.what();
+    }
+  };
+  std::vector<Triangle> wrong = faces;
+  wrong.pop_back();
+  expect_refused(wrong, "border");
+  wrong = faces;
+  std::swap(wrong[100][0], wrong[100][1]);
+  expect_refused(wrong, "inconsistent orientation");
+  wrong = faces;
+  wrong.push_back({0, 2, 3});
+  expect_refused(wrong, "more than two faces");
+}
+
 TEST(SurfaceMesh, RandomOperationsKeepAClosedManifold) {
   for (unsigned seed = 0; seed < 6; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));

@@ -23,6 +23,8 @@ constexpr int kLeastSamples = 2 * kCoefficients;
 // Neighbourhoods are bounded, so that no sample looks at all the others: their radius does not grow
 // for more noise than this (in spacings), nor for a spacing beyond so many times the median.
 constexpr double kGreatestNoise = 1.0, kGreatestSpacing = 4.0;
+// Nor are more samples looked at, where all are closer than any spacing.
+constexpr Index kMostLooks = 4096;
 // Variances of height and slopes for noise of 1, of a fit that says nothing (samples in a line).
 constexpr double kGreatestVariance = 4.0;
 constexpr int kPooled = 16;  // neighbours over which residuals and energies are averaged ...
@@ -171,7 +173,9 @@ class Denoiser {
     const double largest = squared_radius_[sizes - 1];
     const auto& points = cloud_.search.ordered_points();
     const double reach = std::sqrt(2.0 * largest) / axes.scale;
+    Index looks_left = kMostLooks;
     cloud_.search.for_each_near_box(axes.origin, axes.origin, reach, [&](VoxelSearch::Range range) {
+      looks_left -= range.end - range.begin;
       for (Index i = range.begin; i < range.end; ++i) {
         const Vec3 offset = axes.scale * (points[i] - axes.origin);
         const double z = offset.dot(axes.normal);
@@ -183,7 +187,7 @@ class Denoiser {
         while (extent > squared_radius_[size]) ++size;
         rings[size].add(offset.dot(axes.u), offset.dot(axes.v), z);
       }
-      return true;
+      return looks_left > 0;
     });
     return rings;
   }

@@ -1,6 +1,6 @@
 #include "detail.h"
 
-#include <new>
+#include "attempted.h"
 
 namespace shrinkwrap {
 namespace {
@@ -42,13 +42,10 @@ void keep_detail(const SurfaceMesh& initial, const PointCloud& cloud,
   detail.surfaces = 1;
   detail.far_at_first = detail.far = part_far(fitted);
   const Index finer = kFiner * result.control_mesh.target_vertices;
-  try {
+  attempted([&] {
     if (detail.far > options.most_samples_far && finer < cloud.size()) try_finer(finer);
     if (detail.far > options.most_samples_far) try_finer(cloud.size());
-  } catch (const ReconstructionFailed&) {
-  } catch (const InvalidInput&) {
-  } catch (const std::bad_alloc&) {
-  }
+  });
 }
 
 }  // namespace shrinkwrap

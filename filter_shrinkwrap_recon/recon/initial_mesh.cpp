@@ -1,9 +1,12 @@
 #include "initial_mesh.h"
 
 #include <algorithm>
+#include <functional>
+#include <numeric>
 #include <optional>
 #include <tuple>
 
+#include "attempted.h"
 #include "bounding_box_start.h"
 #include "genus_limit.h"
 #include "one_ring.h"
@@ -77,8 +80,18 @@ double fraction_with_solid_behind(const PointCloud& cloud, const VoxelSolid& sol
   return static_cast<double>(supported) / cloud.size();
 }
 
+// Half of the samples are with components that have at least so many.
+Index typical_support(std::vector<Index> support) {
+  std::sort(support.begin(), support.end(), std::greater<>());
+  const double all = std::accumulate(support.begin(), support.end(), 0.0);
+  double sum = 0.0;
+  for (const Index samples : support)
+    if ((sum += samples) >= 0.5 * all) return samples;
+  return 0;
+}
+
 // Which components at least `min_samples` samples support, each sample the one that is nearest to
-// it; always the best supported.
+// it, or a quarter of what is typical where all are small; always the best supported.
 std::vector<char> find_supported(const SurfaceMesh& mesh, const MeshComponents& components,
                                  const PointCloud& cloud, double reach, Index min_samples,
                                  Progress& progress) {
@@ -94,7 +107,7 @@ std::vector<char> find_supported(const SurfaceMesh& mesh, const MeshComponents& 
   std::vector<Index> support(is_kept.size(), 0);
   for (const Index component : supported)
     if (component != kNone) ++support[component];
-  const Index needed = std::min(min_samples, *std::max_element(support.begin(), support.end()));
+  const Index needed = std::min(min_samples, (typical_support(support) + 3) / 4);
   for (std::size_t c = 0; c < support.size(); ++c) is_kept[c] = support[c] >= needed;
   return is_kept;
 }
@@ -166,11 +179,9 @@ std::optional<InitialMesh> try_boundary(const PointCloud& cloud, const WindingNu
                                         InitialMeshOptions options, double ratio,
                                         Progress& progress) {
   options.voxel_size *= ratio;
-  try {
-    return solid_boundary(cloud, winding, options, progress);
-  } catch (const ReconstructionFailed&) {
-    return std::nullopt;
-  }
+  std::optional<InitialMesh> boundary;
+  attempted([&] { boundary = solid_boundary(cloud, winding, options, progress); });
+  return boundary;
 }
 
 // The boundary that the evidence speaks for: a handle of the object is there at either voxel size,

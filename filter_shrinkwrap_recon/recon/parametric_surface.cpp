@@ -83,9 +83,8 @@ class Fitting {
     return parallel_sum(mesh.vertex_slots(), kGrain, progress, Distances(),
                         [&](Index begin, Index end) {
                           Distances block;
-                          Index hint = kNone;
                           for (Index v = begin; v < end; ++v)
-                            if (const auto target = target_of(mesh, v, hint))
+                            if (const auto target = target_of(mesh, v))
                               block.add((*target - mesh.position[v]).norm());
                             else
                               ++block.membrane;
@@ -95,10 +94,8 @@ class Fitting {
 
   std::vector<char> mark_membranes(const SurfaceMesh& mesh, Progress& progress) const {
     std::vector<char> is_membrane(mesh.position.size());
-    parallel_for_each(mesh.vertex_slots(), kGrain, progress, [&](Index v) {
-      Index hint = kNone;  // a walk from elsewhere may end at another side of the surface
-      is_membrane[v] = !target_of(mesh, v, hint);
-    });
+    parallel_for_each(mesh.vertex_slots(), kGrain, progress,
+                      [&](Index v) { is_membrane[v] = !target_of(mesh, v); });
     return is_membrane;
   }
 
@@ -133,7 +130,8 @@ class Fitting {
   }
 
   // Of a vertex where it is. None in a membrane.
-  std::optional<Vec3> target_of(const SurfaceMesh& mesh, Index v, Index& hint) const {
+  std::optional<Vec3> target_of(const SurfaceMesh& mesh, Index v) const {
+    Index hint = kNone;  // a walk from elsewhere may end at another side of the surface
     const OneRing ring = gather_one_ring(mesh, v);
     const Vec3& position = mesh.position[v];
     return target_of(position, ring, position + ring.laplacian(), hint);
@@ -302,10 +300,10 @@ ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud&
       distances = fitting.iterate(mesh, hint, progress);
     }
   }
-  if (result.report.subdivisions == 0)
-    distances = fitting.measure(mesh, progress);
-  else if (options.move_to_limit)
+  if (result.report.subdivisions > 0 && options.move_to_limit)
     fitting.move_to_limit(mesh, progress);
+  if (result.report.subdivisions == 0 || options.iterations == 0)
+    distances = fitting.measure(mesh, progress);
   result.report.vertices = mesh.vertex_count();
   tell(distances, cloud.spacing, result.report);
   result.mesh = std::move(mesh);

@@ -13,7 +13,7 @@ struct ParametricSurfaceOptions {
   };
   Target target = Target::tangent_plane;
   /// At most, and none once there are three quarters as many vertices as samples: a control mesh
-  /// that has them is the surface. A third is added while there are fewer than half as many.
+  /// that has them is the surface. One more is added while there are fewer than half as many.
   int subdivisions = 2;
   /// Leave out the last subdivision where the surface is fine enough without it: of the samples all
   /// but one in a thousand lie within this many spacings of it. 0: always subdivide. What follows

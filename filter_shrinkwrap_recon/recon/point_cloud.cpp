@@ -234,7 +234,7 @@ PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions&
   const int neighbours = neighbours_across_lines(cloud.position, cloud.search, options.neighbours,
                                                  options.scan_lines, progress);
   if (neighbours != options.neighbours) {
-    require_memory_for(cloud.input_index.size(), 0, neighbours);
+    require_memory_for(cloud.input_index.size(), options.memory_limit, neighbours);
     cloud.conditioning.neighbours_across_lines = neighbours;
   }
   progress.set_range(0.4, 1.0);

@@ -28,6 +28,9 @@ struct SampleOptions {
   /// Where they would lie on one line, there are more: see scan_lines.h.
   int neighbours = 16;
   ScanLineOptions scan_lines;
+  /// Bytes that a run may take, looked at again where there are more neighbours; 0: what the
+  /// machine has available.
+  std::uint64_t memory_limit = 0;
 };
 
 /// An oriented plane near a sample: the point of the local surface and its unit normal (float: a

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 
+#include "attempted.h"
 #include "bodies.h"
 #include "bounding_box_start.h"
 #include "coordinate_matches.h"
@@ -212,6 +212,7 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   require_memory_for((options.keep_stages ? 2 : 1) * points.size(), options.memory_limit,
                      options.samples.neighbours);
   options.host_scalar = host_scalar_for(points, options);
+  options.samples.memory_limit = options.memory_limit;
   PointCloud cloud = prepare_samples(points, options.samples, progress);
   result.conditioning = cloud.conditioning;
   log.add(Stage::samples, cloud.size());
@@ -384,25 +385,22 @@ bool match_on_surface(FittedSurface& fitted, PointCloud& cloud, const std::vecto
   detail.upper_twentieth = samples.upper_twentieth;
   undo_denoising(cloud, moved, options.samples.neighbours, options.orientation.plane_neighbours,
                  progress);
-  try {
+  bool is_better = false;
+  attempted([&] {  // there is the surface
     progress.set_part(0.3, 1.0);
     CompleteMatching matching =
         match_samples(fitted.surface.mesh, cloud, options.complete_matching, progress);
     OptimisedMesh optimised = optimise_matching(matching, cloud, moved, options, progress);
     RelaxationReport& relaxation = fitted.relaxation;
     RepairReport& repair = optimised.intersection_repair;
-    if (repair.faces_after > relaxation.faces_after || optimised.extra_vertices > 0) return false;
+    is_better = repair.faces_after <= relaxation.faces_after && optimised.extra_vertices == 0;
+    if (!is_better) return;
     relaxation.faces_after = repair.faces_after;
     relaxation.remaining_faces = std::move(repair.remaining_faces);
     fitted.openings = optimised.openings;
     mesh = std::move(optimised.mesh);
-  } catch (const ReconstructionFailed&) {
-    return false;  // there is the surface
-  } catch (const InvalidInput&) {
-    return false;
-  } catch (const std::bad_alloc&) {
-    return false;
-  }
+  });
+  if (!is_better) return false;
   fitted.detail = detail;
   fitted.detail.is_kept = true;
   return true;

@@ -1,7 +1,8 @@
 #include "second_attempt.h"
 
 #include <algorithm>
-#include <new>
+
+#include "attempted.h"
 
 namespace shrinkwrap {
 namespace {
@@ -60,7 +61,7 @@ void try_again(Reconstruction& first, Reconstruction& second, SecondAttempt Reco
   if (faulty_faces == 0 || faulty_faces >= first.mesh.triangles.size() / 2) return;
   attempt.is_made = true;
   second.outliers = first.outliers;  // some may be samples by now
-  try {
+  attempt.is_finished = attempted([&] {
     make();
     attempt.second = faults_of(second);
     if (is_better(attempt.second, attempt.first)) {
@@ -74,10 +75,7 @@ void try_again(Reconstruction& first, Reconstruction& second, SecondAttempt Reco
           measure_mesh(first.mesh.position, first.mesh.triangles, {}, promise.report, progress);
       attempt.is_taken = is_same_surface || report.genus <= before.genus;
     }
-    attempt.is_finished = true;
-  } catch (const ReconstructionFailed&) {
-  } catch (const std::bad_alloc&) {
-  }
+  });
   keep_better(first, second, attempt, which);
 }
 

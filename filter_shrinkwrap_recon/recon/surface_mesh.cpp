@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <utility>
 
 #include "buckets.h"
 #include "morton.h"
@@ -12,6 +13,7 @@ namespace shrinkwrap {
 namespace {
 
 constexpr Index kGrain = 1 << 13;
+constexpr std::ptrdiff_t kFewHalfedges = 64;  // at a vertex: few enough to compare all pairs
 
 // What keeps half-edges from being twins of each other.
 enum class EdgeDefect { none, same_direction, several_faces, border };
@@ -52,6 +54,24 @@ EdgeDefect match_at_vertex(const Index* begin, const Index* end, const std::vect
   return EdgeDefect::none;
 }
 
+// The same in O(n log n), for vertices of many edges.
+EdgeDefect match_at_busy_vertex(const Index* begin, const Index* end,
+                                const std::vector<Index>& origin, std::vector<Index>& twin) {
+  const auto other_end = [&](Index h) { return std::max(origin[h], origin[SurfaceMesh::next(h)]); };
+  std::vector<Index> sorted(begin, end);
+  std::sort(sorted.begin(), sorted.end(), [&](Index a, Index b) {
+    return std::pair(other_end(a), a) < std::pair(other_end(b), b);
+  });
+  for (const Index *run = sorted.data(), *last = run + sorted.size(); run != last;) {
+    const Index* run_end = run;
+    while (run_end != last && other_end(*run_end) == other_end(*run)) ++run_end;
+    const EdgeDefect found = match_at_vertex(run, run_end, origin, twin);
+    if (found != EdgeDefect::none) return found;
+    run = run_end;
+  }
+  return EdgeDefect::none;
+}
+
 // The twin of every half-edge. Throws InvalidInput unless every edge has exactly two faces that run
 // along it in opposite directions.
 std::vector<Index> match_twins(Index vertices, const std::vector<Index>& origin,
@@ -63,9 +83,11 @@ std::vector<Index> match_twins(Index vertices, const std::vector<Index>& origin,
   std::vector<EdgeDefect> defect(block_count(vertices, kGrain), EdgeDefect::none);
   parallel_blocks(vertices, kGrain, progress, [&](Index block, Index begin, Index end) {
     const Index* item = by_vertex.item.data();
-    for (Index v = begin; v < end && defect[block] == EdgeDefect::none; ++v)
-      defect[block] =
-          match_at_vertex(item + by_vertex.begin[v], item + by_vertex.begin[v + 1], origin, twin);
+    for (Index v = begin; v < end && defect[block] == EdgeDefect::none; ++v) {
+      const Index *first = item + by_vertex.begin[v], *last = item + by_vertex.begin[v + 1];
+      const auto match = last - first > kFewHalfedges ? match_at_busy_vertex : match_at_vertex;
+      defect[block] = match(first, last, origin, twin);
+    }
   });
   for (const EdgeDefect found : defect)
     if (found != EdgeDefect::none) refuse(found);

@@ -10,6 +10,7 @@ namespace {
 constexpr int kRoundsPerBlock = 4;
 constexpr int kLastRounds = 40;
 constexpr Index kProgressStride = 1 << 10;
+constexpr Index kFewFaces = 32;  // around a vertex: from there on, edges are taken one by one
 
 enum class Outcome { removed, postponed, not_owned };
 
@@ -42,8 +43,15 @@ class VertexRemover {
   }
 
   // For a vertex that no collapse removes: takes edges from it until one does.
-  bool remove_after_flips(Index v) {
+  bool remove_after_flips(Index v, Progress& progress) {
     for (const bool may_turn : {false, true}) {
+      for (Index valence = mesh_.valence(v); valence > kFewFaces;) {
+        progress.update(1.0);
+        const Index left = flip_edges_away(v, std::max(valence / 2, kFewFaces), may_turn);
+        if (left == valence) break;
+        if (try_remove(v, false) == Outcome::removed) return true;
+        valence = left;
+      }
       while (mesh_.valence(v) > 3) {
         if (!flip_one_edge_away(v, may_turn)) break;
         if (try_remove(v, false) == Outcome::removed) return true;
@@ -64,6 +72,20 @@ class VertexRemover {
     }
     Index budget = 8 * static_cast<Index>(rating_.halfedges().size()) + 16;
     flip_to_delaunay(mesh_, owner_, stack_, nullptr, budget);
+  }
+
+  // In one walk around the vertex, until it has so few edges. Returns how many it has then.
+  Index flip_edges_away(Index v, Index few, bool may_turn) {
+    rating_.gather(mesh_, v);
+    Index valence = static_cast<Index>(rating_.halfedges().size());
+    for (const Index h : rating_.halfedges()) {
+      if (valence <= few) break;
+      if (mesh_.origin(h) != v || !mesh_.is_flip_legal(h) || (!may_turn && turns_a_face(h)))
+        continue;
+      mesh_.flip(h);
+      --valence;
+    }
+    return valence;
   }
 
   bool flip_one_edge_away(Index v, bool may_turn) {
@@ -128,7 +150,7 @@ VertexRemovalReport remove_vertices(SurfaceMesh& mesh, const VertexBlocks& block
         before = vertices.size();
         std::size_t kept = 0;
         for (const Index v : vertices) {
-          if (!remover.remove_after_flips(v)) vertices[kept++] = v;
+          if (!remover.remove_after_flips(v, progress)) vertices[kept++] = v;
           progress.update(1.0);
         }
         vertices.resize(kept);
