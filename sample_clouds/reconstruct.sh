@@ -163,14 +163,33 @@ target_of() { # input
   printf '%s\n' "${folder:-}/${name%.*}_shrink_wrap.ply"
 }
 
-# What the points carry beside coordinates, so that the mesh is saved with it; PLY tells.
-saving_options() { # input
-  case $1 in *.[Pp][Ll][Yy]) ;; *) return 0 ;; esac
-  header=$(LC_ALL=C sed -n -e '1,200{/^property /p' -e '/^end_header/q' -e '}' "$1" 2>/dev/null | tr -d '\000')
-  options=''
-  case $header in *" red"*) options="$options vc" ;; esac
-  case $header in *" quality"*) options="$options vq" ;; esac
-  [ -z "$options" ] || printf '%s\n' "-m$options"
+# What the points carry beside coordinates, as far as MeshLab reads it: "vc" for colours, "vq" for qualities. It takes
+# colours from PLY, OBJ, OFF and PTX, qualities from PLY, ASC and PTX, and neither from other formats.
+carried_by() { # cloud, its ending in small letters
+  case $2 in
+    ply)
+      LC_ALL=C sed -n -e '/^end_header/q' -e '1000q' -e '/^element vertex /,/^element [^v]/s/^property *[a-z0-9]*  *//p' "$1" 2>/dev/null |
+        tr -d '\000\r' | sed -n -e 's/^\(red\|diffuse_red\|intensity\) *$/vc/p' -e 's/^\(quality\|confidence\) *$/vq/p'
+      ;;
+    obj) # v x y z red green blue
+      LC_ALL=C awk '/^v[ \t]/ { if (gsub(/[ \t]/, "") >= 6) print "vc"; exit }' "$1" 2>/dev/null
+      ;;
+    off) # COFF, NCOFF, STCNOFF, ...
+      LC_ALL=C awk '!/^[ \t\r]*(#|$)/ { if ($1 ~ /C.*OFF/) print "vc"; exit }' "$1" 2>/dev/null
+      ;;
+    ptx) echo vc vq ;; # the reflectance is a grey, and a quality
+    asc) # x y z quality, commas between them or not
+      LC_ALL=C awk '/^[ \t]*[-+.0-9]/ { gsub(/,/, " "); if (NF >= 4) print "vq"; exit }' "$1" 2>/dev/null
+      ;;
+  esac | sort -u
+}
+
+# What the mesh is saved with. Formats that cannot keep it leave it out. The face quality, which tells the faces that span
+# openings, is kept by PLY alone.
+saving_options() { # cloud, its ending, the mesh's ending
+  attributes=$(carried_by "$1" "$2" | tr '\n' ' ')
+  case $3 in ply) attributes="$attributes fq" ;; esac
+  case $attributes in *[a-z]*) printf '%s\n' "-m $attributes" ;; esac
 }
 
 # Runs a command in a process group of its own, so that it can be stopped with all that it started.
@@ -203,11 +222,12 @@ reconstruct() {
   case ${input##*/} in *?.?*) ;; *) give_up "its name has no ending that tells the format"; return ;; esac
 
   # The host meets plain names only: it does not cope with every character, and not in every locale.
-  link="$job/cloud.$(printf %s "${input##*.}" | tr '[:upper:]' '[:lower:]')"
-  mesh="$job/mesh.$(printf %s "${target##*.}" | tr '[:upper:]' '[:lower:]')"
+  input_ending=$(printf %s "${input##*.}" | tr '[:upper:]' '[:lower:]')
+  target_ending=$(printf %s "${target##*.}" | tr '[:upper:]' '[:lower:]')
+  link=$job/cloud.$input_ending mesh=$job/mesh.$target_ending
   case $input in /*) ln -s "$input" "$link" ;; *) ln -s "$PWD/$input" "$link" ;; esac
 
-  code=0 options=$(saving_options "$input")
+  code=0 options=$(saving_options "$link" "$input_ending" "$target_ending")
   # shellcheck disable=SC2086  # options are words
   (cd "$job" && HOME=$work TMPDIR=$job in_own_group "$job" timeout -k 5 "$time_limit" xvfb-run -a \
     "$build/stage/bin/meshlabserver" -l "$job/host.log" -i "$link" -o "$mesh" $options -s "$work/script.mlx") \

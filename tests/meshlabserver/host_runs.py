@@ -47,14 +47,14 @@ def as_float(x):
     return struct.unpack("f", struct.pack("f", x))[0]
 
 
-def write_ply(path, points, faces=(), colours=None, qualities=None):
-    """A binary PLY, bit for bit."""
+def write_ply(path, points, faces=(), colours=None, qualities=None, colour_name="", quality_name="quality"):
+    """A binary PLY, bit for bit. `colour_name` is what stands before red, green and blue."""
     header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(points)}"]
     header += [f"property float {axis}" for axis in "xyz"]
     if colours:
-        header += [f"property uchar {channel}" for channel in ("red", "green", "blue")]
+        header += [f"property uchar {colour_name}{channel}" for channel in ("red", "green", "blue")]
     if qualities:
-        header.append("property float quality")
+        header.append(f"property float {quality_name}")
     if faces:
         header += [f"element face {len(faces)}", "property list uchar int vertex_indices"]
     with open(path, "wb") as file:
@@ -71,25 +71,37 @@ def write_ply(path, points, faces=(), colours=None, qualities=None):
 
 def read_ply(path):
     """Vertices (a dict each) and faces of a binary PLY as MeshLab writes it."""
+    vertices, faces, _ = read_ply_with_face_qualities(path)
+    return vertices, faces
+
+
+def read_ply_with_face_qualities(path):
+    """As read_ply; and the face qualities, none if the file has none."""
     formats = {"float": "f", "uchar": "B", "int": "i", "double": "d", "uint": "I"}
     data = pathlib.Path(path).read_bytes()
     end = data.index(b"end_header\n") + len(b"end_header\n")
-    counts, names, layout = {}, [], "<"
+    counts, names, layouts = {}, {}, {}
     element = None
     for line in data[:end].decode().splitlines():
         words = line.split()
         if words[0] == "element":
             element = words[1]
-            counts[element] = int(words[2])
-        elif words[0] == "property" and element == "vertex":
-            names.append(words[2])
-            layout += formats[words[1]]
-    size = struct.calcsize(layout)
-    vertices = [dict(zip(names, struct.unpack_from(layout, data, end + i * size))) for i in range(counts["vertex"])]
+            counts[element], names[element], layouts[element] = int(words[2]), [], "<"
+        elif words[:2] == ["property", "list"]:
+            layouts[element] += "B3i"  # triangles, of a uchar and ints
+        elif words[0] == "property":
+            names[element].append(words[2])
+            layouts[element] += formats[words[1]]
+    size = struct.calcsize(layouts["vertex"])
+    vertices = [dict(zip(names["vertex"], struct.unpack_from(layouts["vertex"], data, end + i * size)))
+                for i in range(counts["vertex"])]
     offset = end + counts["vertex"] * size
-    face = "<B3i"
-    faces = [struct.unpack_from(face, data, offset + i * struct.calcsize(face))[1:] for i in range(counts.get("face", 0))]
-    return vertices, faces
+    if "face" not in counts:
+        return vertices, [], []
+    size = struct.calcsize(layouts["face"])
+    rows = [struct.unpack_from(layouts["face"], data, offset + i * size) for i in range(counts["face"])]
+    column = 4 + names["face"].index("quality") if "quality" in names["face"] else None
+    return vertices, [row[1:4] for row in rows], [row[column] for row in rows] if column else []
 
 
 def read_obj(path):
