@@ -12,6 +12,9 @@
 # --surface    stop at the parametric surface, for noisy clouds
 # --leave-open take the faces that span openings of the scan away
 # --threads N  threads for each input (0: all)
+# --set NAME=VALUE  any parameter of the filter, as often as there are some to set: --set Openings=Automatic,
+#              --set MaximumGenus=0, --set ExcludeOutliers=false. Choices go by their number or their name.
+#              --set help lists the names, the kinds of value and the defaults. The last of several settings counts.
 #
 # Does all of its own set-up, quick the second time. Prints the stages and the matching report of each input, then a
 # table of all and a list of those that failed, and why; leaves with 1 if any failed. A mesh is there whole or not at
@@ -21,6 +24,7 @@ set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/cmake/setup.sh"
 
+script=$root/sample_clouds/reconstruct.mlx
 usage() { sed -n '2,/^set -eu/s/^# \{0,1\}//p' "$0"; }
 
 work=$(mktemp -d)
@@ -44,6 +48,52 @@ value_of() { # option, number of arguments left, value
 edit_parameter() { # name, value
   printf '/name="%s"/s/ value="[^"]*"/ value="%s"/\n' "$1" "$2" >>"$work/edits.sed"
 }
+is_like() { # value, extended regular expression
+  case $1 in *[!-+.0-9eE]*) return 1 ;; esac
+  printf '%s\n' "$1" | grep -qxE -e "$2"
+}
+# The parameters of the filter: name, kind, default; of a choice its names as well.
+list_parameters() {
+  sed -n -e 's/.*<Param type="Rich\([A-Za-z]*\)" name="\([A-Za-z]*\)" value="\([^"]*\)"\(.*\)\/>.*/\2  \1  \3 \4/' \
+    -e 's/ enum_cardinality="[0-9]*"//' -e 's/ enum_val\([0-9]*\)="\([^"]*\)"/  \1: \2/gp' -e 's/ $//p' "$script"
+}
+# Sets one parameter. Whether a number is within its range the filter says, which names the parameter then.
+set_parameter() { # NAME=VALUE
+  case $1 in
+    help)
+      list_parameters
+      exit 0
+      ;;
+    ?*=*) ;;
+    *) die "--set needs NAME=VALUE, not '$1'" ;;
+  esac
+  name=${1%%=*} value=${1#*=} line=''
+  case $name in
+    *[!A-Za-z]*) ;;
+    *) line=$(grep "<Param .* name=\"$name\"" "$script") || : ;;
+  esac
+  [ -n "$line" ] || die "the filter has no parameter '$name': --set help lists them"
+  wanted=''
+  case $line in
+    *'"RichBool"'*) case $value in true | false) ;; *) wanted="true or false" ;; esac ;;
+    *'"RichInt"'*) is_like "$value" '-?[0-9]{1,9}' || wanted="a whole number" ;;
+    *'"RichFloat"'*) is_like "$value" '-?([0-9]+[.]?[0-9]*|[.][0-9]+)([eE][-+]?[0-9]+)?' || wanted="a number" ;;
+    *'"RichEnum"'*)
+      number=$(printf '%s\n' "$line" | CHOICE=$value awk -F'"' '{
+        for (i = 1; i < NF; i += 2) {
+          number = $i
+          if (!sub(/.*enum_val/, "", number)) continue
+          sub(/=$/, "", number)
+          if (ENVIRON["CHOICE"] "" == number || ENVIRON["CHOICE"] "" == $(i + 1)) print number
+        }
+      }')
+      if [ -n "$number" ]; then value=$number; else wanted="one of its choices, by number or name"; fi
+      ;;
+    *) die "the parameter $name cannot be set" ;;
+  esac
+  [ -z "$wanted" ] || die "$name needs $wanted, not '$value': --set help lists the parameters"
+  edit_parameter "$name" "$value"
+}
 whole_number() {
   case $2 in '' | *[!0-9]*) die "$1 needs a whole number, not '$2'" ;; esac
 }
@@ -54,7 +104,7 @@ while [ "$left" -gt 0 ]; do
   shift
   left=$((left - 1))
   case $argument in
-    -o | -j | --threads | --time-limit)
+    -o | -j | --threads | --time-limit | --set)
       value_of "$argument" "$left"
       value=$1
       shift
@@ -77,6 +127,7 @@ while [ "$left" -gt 0 ]; do
           whole_number --threads "$value"
           edit_parameter Threads "$value"
           ;;
+        --set) set_parameter "$value" ;;
       esac
       ;;
     --paper) edit_parameter Method 1 ;;
