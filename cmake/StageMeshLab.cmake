@@ -9,6 +9,8 @@ file(MAKE_DIRECTORY ${STAGE}/bin ${STAGE}/${library_dir}/plugins)
 foreach(program meshlab meshlabserver)
   if(EXISTS ${prefix}/bin/${program})
     file(COPY ${prefix}/bin/${program} DESTINATION ${STAGE}/bin)
+  else()
+    file(REMOVE ${STAGE}/bin/${program})  # of the release that was installed before
   endif()
 endforeach()
 

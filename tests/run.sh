@@ -10,7 +10,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 
 # shellcheck disable=SC2086  # lists of words
 require_packages $host_packages $test_packages
-configure "$build" -DSHRINKWRAP_BUILD_PLUGIN=ON -DSHRINKWRAP_BUILD_TESTS=ON
+configure "$build" -DSHRINKWRAP_BUILD_PLUGIN=ON -DSHRINKWRAP_BUILD_TESTS=ON -DSHRINKWRAP_WARNINGS_AS_ERRORS=ON
 compile "$build"
 cd "$build"
 exec ctest --output-on-failure --parallel "$(nproc)" "$@"
