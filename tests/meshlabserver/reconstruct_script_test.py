@@ -11,12 +11,12 @@ import tempfile
 import time
 import unittest
 
-from host_runs import as_float, check, read_ply, sphere, torus, write_ply
+from host_runs import as_float, check, read_ply, read_ply_with_face_qualities, sphere, torus, write_ply
 
 ROOT, BUILD, CHECKER = None, None, None
 
 
-class ReconstructScript(unittest.TestCase):
+class ScriptTest(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
@@ -26,7 +26,7 @@ class ReconstructScript(unittest.TestCase):
     def start(self, *arguments, **environment):
         return subprocess.Popen(["sh", str(ROOT / "sample_clouds" / "reconstruct.sh"), *map(str, arguments)],
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, cwd=self.folder,
-                                env=dict(os.environ, SHRINKWRAP_BUILD_DIR=BUILD, **environment))
+                                env={**os.environ, "SHRINKWRAP_BUILD_DIR": BUILD, **environment})
 
     def call(self, *arguments, **environment):
         process = self.start(*arguments, **environment)
@@ -39,6 +39,8 @@ class ReconstructScript(unittest.TestCase):
         write_ply(path, points)
         return path
 
+
+class ReconstructScript(ScriptTest):
     def test_one_input_to_a_named_output(self):
         cloud = self.cloud("größte Kugel 点群.ply", torus(2000))
         output = self.folder / "Ergebnis № 1.ply"
@@ -141,12 +143,77 @@ class ReconstructScript(unittest.TestCase):
             self.assertEqual(check(CHECKER, mesh, self.folder / mesh.name.replace("_shrink_wrap", ""))["complete"], 1)
 
     def test_colours_and_qualities_are_kept(self):
+        """Under every name by which MeshLab reads them."""
         points = sphere(600)
         qualities = [as_float(0.5 + i) for i in range(600)]
-        write_ply(self.folder / "a.ply", points, colours=[(i % 256, 3, 7) for i in range(600)], qualities=qualities)
+        for colour_name, quality_name in (("", "quality"), ("diffuse_", "confidence")):
+            with self.subTest(quality_name=quality_name):
+                write_ply(self.folder / "a.ply", points, colours=[(i % 256, 3, 7) for i in range(600)],
+                          qualities=qualities, colour_name=colour_name, quality_name=quality_name)
+                self.assertEqual(self.call("a.ply"), 0, self.text)
+                vertices, _ = read_ply(self.folder / "a_shrink_wrap.ply")
+                self.assertEqual([(v["red"], v["quality"]) for v in vertices],
+                                 [(i % 256, q) for i, q in enumerate(qualities)])
+
+    def test_colours_and_qualities_of_other_formats(self):
+        """As far as MeshLab reads them; a cloud without any gets none."""
+        points = sphere(600)
+        lines = [" ".join(map(repr, p)) for p in points]
+        files = {
+            "a.obj": ([f"v {line} 0.8 0.4 0.2" for line in lines], 204, None),
+            "b.obj": ([f"v {line}" for line in lines], None, None),
+            "c.off": (["# a comment", "COFF", "600 0 0"] + [f"{line} 200 100 50 255" for line in lines], 200, None),
+            "d.off": (["OFF", "600 0 0"] + lines, None, None),
+            "e.asc": ([f"{line} 7" for line in lines], None, 7.0),
+            "f.asc": (lines, None, None),
+            "g.xyz": (lines, None, None),
+            "h.ptx": (["30", "20", "0 0 0", "1 0 0", "0 1 0", "0 0 1", "1 0 0 0", "0 1 0 0", "0 0 1 0", "0 0 0 1"] +
+                      [f"{line} 0.5 200 100 50" for line in lines], 200, 0.5),
+        }
+        for name, (content, _, _) in files.items():
+            (self.folder / name).write_text("\n".join(content) + "\n")
+        self.assertEqual(self.call(*files), 0, self.text)
+        for name, (_, red, quality) in files.items():
+            with self.subTest(name=name):
+                vertices, _ = read_ply(self.folder / f"{name[0]}_shrink_wrap.ply")
+                self.assertEqual({(v.get("red"), v.get("quality")) for v in vertices}, {(red, quality)})
+
+    def test_colours_of_faces_are_not_those_of_points(self):
+        header = ["ply", "format ascii 1.0", "element vertex 600", *(f"property float {axis}" for axis in "xyz"),
+                  "element face 0", "property list uchar int vertex_indices",
+                  *(f"property uchar {channel}" for channel in ("red", "green", "blue")), "end_header"]
+        lines = header + [" ".join(map(repr, p)) for p in sphere(600)]
+        (self.folder / "a.ply").write_text("\n".join(lines) + "\n")
         self.assertEqual(self.call("a.ply"), 0, self.text)
         vertices, _ = read_ply(self.folder / "a_shrink_wrap.ply")
-        self.assertEqual([(v["red"], v["quality"]) for v in vertices], [(i % 256, q) for i, q in enumerate(qualities)])
+        self.assertEqual(set(vertices[0]), {"x", "y", "z"})
+
+    def test_faces_that_span_openings_are_told_by_their_quality(self):
+        self.cloud("a.ply", sphere(2000, keep=lambda p: p[2] < 0.3))
+        self.assertEqual(self.call("a.ply"), 0, self.text)
+        _, faces, qualities = read_ply_with_face_qualities(self.folder / "a_shrink_wrap.ply")
+        self.assertEqual(len(qualities), len(faces))
+        spanning = sum(quality > 0.0 for quality in qualities)
+        self.assertGreater(spanning, 10)
+        self.assertLess(spanning, len(faces) / 4)
+
+    def test_any_parameter_can_be_set(self):
+        """By name or number of a choice; the last of several settings counts."""
+        self.cloud("a.ply", sphere(2000, keep=lambda p: p[2] < 0.3))
+        for openings in ("Leave open", "1"):
+            self.assertEqual(self.call("a.ply", "--set", "Openings=Automatic", "--set", f"Openings={openings}"), 0, self.text)
+            self.assertIn("open (1 border)", self.text)
+        self.assertEqual(self.call("a.ply", "--set", "Openings=Automatic", "--set", "WidestOpening=1e3"), 0, self.text)
+        self.assertIn("closed 2-manifold", self.text)
+        self.assertEqual(self.call("a.ply", "--set", "StopAtParametricSurface=true"), 0, self.text)
+        self.assertNotIn("complete matching", self.text)
+        self.assertEqual(self.call("a.ply", "--set", "Neighbours=5"), 1, self.text)
+        self.assertIn("Neighbours", self.text[self.text.index("FAILED: "):])
+
+    def test_parameters_are_listed(self):
+        self.assertEqual(self.call("--set", "help"), 0, self.text)
+        self.assertIn("Openings  Enum  0   0: Close  1: Leave open  2: Automatic\n", self.text)
+        self.assertEqual(len(self.text.splitlines()), 15)
 
     def test_inputs_that_cannot_be_read(self):
         (self.folder / "empty.ply").touch()
@@ -179,6 +246,73 @@ class ReconstructScript(unittest.TestCase):
         for arguments in (["--unknown"], ["-o"], ["-j", "0"], ["-j", "many"], ["--threads", "x"], ["--time-limit", "-1"]):
             with self.subTest(arguments=arguments):
                 self.assertNotEqual(self.call(*arguments), 0)
+
+    def test_wrong_settings(self):
+        for setting, told in (("Opening=1", "no parameter 'Opening'"), ("openings=1", "no parameter 'openings'"),
+                              (".*=1", "no parameter '.*'"), ("Openings", "NAME=VALUE"), ("=1", "NAME=VALUE"),
+                              ("Openings=3", "one of its choices"), ("Openings=", "one of its choices"),
+                              ("ExcludeOutliers=no", "true or false"), ("Neighbours=1.5", "a whole number"),
+                              ("MaximumGenus=99999999999", "a whole number"), ("VoxelSize=1,5", "a number"),
+                              ("VoxelSize=1\n2", "a number"), ('VoxelSize=1"/>', "a number")):
+            with self.subTest(setting=setting):
+                self.assertEqual(self.call("--set", setting), 1, self.text)
+                self.assertIn(told, self.text)
+
+
+class SetUp(ScriptTest):
+    """What the script asks of CMake and of the system, without a build."""
+
+    def setUp(self):
+        super().setUp()
+        self.programs = self.folder / "programs"
+        self.programs.mkdir()
+        for folder in ("/usr/bin", "/bin"):
+            for program in pathlib.Path(folder).iterdir():
+                link = self.programs / program.name
+                if program.name not in ("meshlabserver", "cmake") and not link.is_symlink():
+                    link.symlink_to(program)
+        self.build = self.folder / "build"
+        self.calls = self.folder / "calls"
+
+    def program(self, name, text):
+        path = self.programs / name
+        path.write_text("#!/bin/sh\n" + text)
+        path.chmod(0o755)
+
+    def cmake_calls(self, on_build):
+        """The calls of CMake, whose builds do as they are told."""
+        self.program("meshlabserver", "")
+        self.program("cmake", f'echo "$@" >>"{self.calls}"\ncase $1 in --build) {on_build} ;; esac\n')
+        self.calls.unlink(missing_ok=True)
+        self.assertEqual(self.call("a.ply", PATH=str(self.programs), SHRINKWRAP_BUILD_DIR=str(self.build)), 1, self.text)
+        return self.calls.read_text().splitlines()
+
+    def test_a_host_without_meshlabserver_is_told_at_once(self):
+        self.program("cmake", f'echo "$@" >>"{self.calls}"\n')
+        self.assertEqual(self.call("a.ply", PATH=str(self.programs), SHRINKWRAP_BUILD_DIR=str(self.build)), 1, self.text)
+        self.assertIn("has no meshlabserver", self.text)
+        self.assertEqual(len(self.text.splitlines()), 1, self.text)
+        self.assertFalse(self.calls.exists() or self.build.exists())
+
+    def test_warnings_do_not_stop_a_first_build(self):
+        calls = self.cmake_calls("exit 0")
+        self.assertIn("-DSHRINKWRAP_WARNINGS_AS_ERRORS=OFF", calls[0])
+        self.assertIn("-DSHRINKWRAP_BUILD_TESTS=OFF", calls[0])
+        self.assertEqual(len(calls), 2)
+
+    def test_a_build_folder_keeps_its_choices(self):
+        """Unless a warning stopped the compiler; nothing else makes it compile again."""
+        self.build.mkdir()
+        (self.build / "CMakeCache.txt").touch()
+        calls = self.cmake_calls("exit 0")
+        self.assertEqual(len(calls), 2)
+        self.assertNotIn("SHRINKWRAP_WARNINGS_AS_ERRORS", calls[0])
+        self.assertNotIn("SHRINKWRAP_BUILD_TESTS", calls[0])
+        calls = self.cmake_calls("echo 'a.cpp:1: error: unused [-Werror=unused]'; exit 1")
+        self.assertEqual(["-DSHRINKWRAP_WARNINGS_AS_ERRORS=OFF" in call for call in calls], [False, False, True, False])
+        calls = self.cmake_calls("echo 'a.cpp:1: error: wrong'; exit 1")
+        self.assertEqual(len(calls), 2)
+        self.assertIn("a.cpp:1: error: wrong", self.text)
 
 
 if __name__ == "__main__":
