@@ -1,7 +1,8 @@
 # What is installed, and where: the plugin among MeshLab's own, so that the prefix is MeshLab's unless another is asked
 # for. `cpack` makes a Debian package of it.
 set(SHRINKWRAP_PACKAGE_CONTACT "" CACHE STRING
-    "Maintainer of the Debian package, 'name <address>'; empty: DEBFULLNAME and DEBEMAIL of the environment")
+    "Maintainer of the Debian package, 'name <address>': whoever publishes it must say. Empty: DEBFULLNAME and DEBEMAIL \
+of the environment; without these, who built it, for use on this machine alone")
 
 if(CMAKE_INSTALL_PREFIX_INITIALIZED_TO_DEFAULT)
   set(CMAKE_INSTALL_PREFIX ${meshlab_prefix} CACHE PATH "MeshLab's own prefix: elsewhere it finds no plugin" FORCE)
@@ -16,7 +17,10 @@ set(package_contact ${SHRINKWRAP_PACKAGE_CONTACT})
 if(NOT package_contact AND DEFINED ENV{DEBFULLNAME} AND DEFINED ENV{DEBEMAIL})
   set(package_contact "$ENV{DEBFULLNAME} <$ENV{DEBEMAIL}>")
 elseif(NOT package_contact)
-  set(package_contact "filter_shrinkwrap_recon <maintainers@filter-shrinkwrap-recon.example.org>")
+  execute_process(COMMAND id -un OUTPUT_VARIABLE builder OUTPUT_STRIP_TRAILING_WHITESPACE)
+  cmake_host_system_information(RESULT builder_host QUERY FQDN)
+  set(package_contact "unpublished local build <${builder}@${builder_host}>")
+  message(STATUS "Maintainer of the Debian package: ${package_contact}; to publish it, set SHRINKWRAP_PACKAGE_CONTACT")
 endif()
 
 # Debian wants both changelogs compressed, without a date inside (-n), so that the same sources give the same package.

@@ -1,5 +1,6 @@
 #!/bin/sh
-# Runs the plugin on newer MeshLabs than the one installed, without touching this system.
+# Runs the plugin on newer MeshLabs than the one installed, each in a chroot of its own. On this system it installs what is
+# missing through apt (what the plugin and its tests are built with, wget and debootstrap); the MeshLab installed here stays.
 #
 #   sh tests/newer_meshlab/run.sh [--suites "unstable trixie"] [--mirror URL] [--cloud FILE] [--keep]
 #

@@ -5,8 +5,10 @@
 #
 # `cmake --install` into a prefix of its own, and with DESTDIR; then `cpack`, lintian (if it is there), and the package
 # itself: dpkg -i, the system's meshlabserver, dpkg --purge, in a view of this system that keeps its changes apart
-# (overlay file system, mount and network namespaces of their own), so that nothing here is changed. That last part
-# needs root and a kernel that grants it; where it cannot be, it is SKIPPED, in this word, and the rest counts.
+# (overlay file system, mount and network namespaces of their own), so that the package changes nothing here. That last
+# part needs root and a kernel that grants it; where it cannot be, it is SKIPPED, in this word, and the rest counts.
+#
+# What is missing to build is installed through apt (with sudo when not root), and stays.
 #
 # Run by hand: it compiles all that the build folder builds (after tests/run.sh: nothing), then takes half a minute.
 set -eu
@@ -17,6 +19,9 @@ root=$(cd "$(dirname "$0")/../.." && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 trap 'exit 130' HUP INT TERM
+
+# Without a maintainer a package is for this machine alone, and lintian would say so.
+export DEBFULLNAME="Test of the package" DEBEMAIL=package-test@example.org
 
 # shellcheck disable=SC2086  # a list of words
 require_packages $host_packages dpkg-dev
