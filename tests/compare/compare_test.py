@@ -114,6 +114,18 @@ class Page(unittest.TestCase):
         self.assertIn("MeshLab cannot read it", text)
         widths = {line.replace("\\|", "").count("|") for line in text.splitlines() if line.startswith("| ") and "98.5 %" in line}
         self.assertEqual(widths, {4, 12})
+        self.assertIn("| a \\| b | 15 holes, not a 2-manifold | more than 3 s |", text)
+        self.assertNotIn("Mesh to truth, mean", text)
+
+    def test_figures_of_the_overview(self):
+        row = {**measures.measures(CLOSED_LOG)}
+        self.assertEqual(page.shape(row), "genus 0, inside out")
+        self.assertEqual(page.shape({**row, "closed": False, "holes": 1, "inside_out": False}), "1 hole")
+        results = [{"name": "a", "noise": None, "has_truth": True, "points": 7,
+                    "rows": [{"method": "Poisson", "seconds": 1.0, "processor_seconds": 2.0, **row}]}]
+        captions = [caption for caption, _, _ in page.overviews(results)]
+        self.assertEqual(len(captions), 4)
+        self.assertIn("Mesh to truth", captions[3])
 
     def test_html_is_escaped(self):
         text = page.html(self.results(), "today", ROOT)

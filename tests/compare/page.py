@@ -76,24 +76,42 @@ def table_of(result):
     return header, rows
 
 
+def shape(row):
+    """Closed or not, in a few words."""
+    if "error" in row:
+        return row["error"]
+    if row["closed"] and row["manifold"]:
+        words = [f"genus {row['genus']}"]
+    else:
+        holes = row["holes"]
+        words = [f"{optional(holes)} hole" + ("" if holes == 1 else "s")]
+        words += [] if row["manifold"] else ["not a 2-manifold"]
+    return ", ".join(words + (["inside out"] if row["inside_out"] else []))
+
+
 def verdict(row):
     """The mesh in a few words."""
     if "error" in row:
         return row["error"]
-    words = [f"samples kept: {share(row)}"]
-    if row["closed"] and row["manifold"]:
-        words.append(f"closed, genus {row['genus']}")
-    else:
-        words.append(f"{optional(row['holes'])} holes" + ("" if row["manifold"] else ", no 2-manifold"))
-    if row["bodies"] != 1:
-        words.append(f"{row['bodies']} bodies")
-    if row["inside_out"]:
-        words.append("inside out")
-    if row["self_intersecting_faces"]:
-        words.append(f"{row['self_intersecting_faces']:,} faces intersect")
-    if "truth_to_mesh" in row:
-        words.append(f"{row['mesh_to_truth']['mean']:.2f} % off")
-    return "; ".join(words)
+    return f"samples kept: {share(row)}; {shape(row)}; self-intersecting faces: {row['self_intersecting_faces']:,}"
+
+
+def of_mesh(cell):
+    """What a cell says of a row that has a mesh; a row without says why where its shape is told."""
+    return lambda row: "-" if "error" in row else cell(row)
+
+
+def mean_off(row):
+    return f"{row['mesh_to_truth']['mean']:.2f}" if "mesh_to_truth" in row else "-"
+
+
+OVERVIEWS = [
+    # caption, cell, whether it is only of clouds whose true surface is known
+    ("Samples kept", of_mesh(share), False),
+    ("Closed 2-manifolds by their genus, others by their holes", shape, False),
+    ("Self-intersecting faces", of_mesh(lambda row: f"{row['self_intersecting_faces']:,}"), False),
+    ("Mesh to truth, mean, in % of the diagonal", of_mesh(mean_off), True),
+]
 
 
 def broken_promise(row):
@@ -106,20 +124,30 @@ def broken_promise(row):
     return ", ".join(broken)
 
 
-def overview(results):
-    """(header, rows of cells): a row a cloud, a column a method."""
+def overviews(results):
+    """(caption, header, rows of cells) of small tables: a row a cloud, a column a method."""
     methods = []
     for result in results:
         methods += [row["method"] for row in result.get("rows", []) if row["method"] not in methods]
-    rows = []
-    for result in results:
-        by_method = {row["method"]: verdict(row) for row in result.get("rows", [])}
-        rows.append([title(result), *[by_method.get(method, result.get("error", "")) for method in methods]])
-    return ["", *methods], rows
+    tables = []
+    for caption, cell, needs_truth in OVERVIEWS:
+        rows = []
+        for result in results:
+            if needs_truth and not result.get("has_truth"):
+                continue
+            by_method = {row["method"]: cell(row) for row in result.get("rows", [])}
+            rows.append([name_of(result), *[by_method.get(method, result.get("error", "")) for method in methods]])
+        if rows:
+            tables.append((caption, ["", *methods], rows))
+    return tables
+
+
+def name_of(result):
+    return result["name"].replace("_", " ")
 
 
 def title(result):
-    return result["name"].replace("_", " ") + (f", {result['points']:,} points" if "points" in result else "")
+    return name_of(result) + (f", {result['points']:,} points" if "points" in result else "")
 
 
 def relative(path, folder):
@@ -133,7 +161,9 @@ def markdown_table(header, rows):
 
 def markdown(results, date, folder):
     parts = ["# MeshLab's reconstruction filters and Shrink Wrap on the same clouds\n",
-             f"Written by `sh tests/compare/run.sh` on {date}. {INTRODUCTION}\n", LEGEND + "\n", markdown_table(*overview(results))]
+             f"Written by `sh tests/compare/run.sh` on {date}. {INTRODUCTION}\n", LEGEND + "\n"]
+    for caption, header, rows in overviews(results):
+        parts.append(f"**{caption}**\n\n" + markdown_table(header, rows))
     for result in results:
         parts.append(f"## {title(result)}\n")
         if "error" in result:
@@ -172,7 +202,9 @@ def html(results, date, folder):
     parts = [f'<!DOCTYPE html>\n<html lang="en">\n<head><meta charset="utf-8"><title>{escaping.escape(heading)}</title>',
              f"<style>{STYLE}</style></head>\n<body>\n<h1>{escaping.escape(heading)}</h1>",
              f"<p>Written by <code>sh tests/compare/run.sh</code> on {date}. {html_text(INTRODUCTION)}</p>",
-             f"<p>{html_text(LEGEND)}</p>", html_table(*overview(results), "overview")]
+             f"<p>{html_text(LEGEND)}</p>"]
+    for caption, header, rows in overviews(results):
+        parts.append(f"<h2>{escaping.escape(caption)}</h2>\n" + html_table(header, rows, "overview"))
     for result in results:
         parts.append(f"<h2>{escaping.escape(title(result))}</h2>")
         if "error" in result:
