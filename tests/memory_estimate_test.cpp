@@ -51,6 +51,17 @@ TEST(MemoryEstimate, RefusalTellsBothFiguresAndARemedy) {
   }
 }
 
+TEST(MemoryEstimate, TheBoundingBoxOfTheStartCounts) {
+  const auto points = testing::sample_shape(testing::ShapeKind::sphere, 1000, 1);
+  ReconstructionOptions options = as_in_the_paper();
+  options.memory_limit = estimated_peak_bytes(100000);
+  Progress silent;
+  options.initial_mesh.levels = 8;  // 393,218 vertices
+  EXPECT_THROW(reconstruct(points, options, silent), InvalidInput);
+  options.initial_mesh.levels = -1;
+  EXPECT_NO_THROW(reconstruct(points, options, silent));
+}
+
 TEST(MemoryEstimate, RefusesBeforeAnyWorkIsDone) {
   const auto points = testing::sample_shape(testing::ShapeKind::sphere, 1000, 1);
   ReconstructionOptions options;

@@ -1,9 +1,11 @@
 #include "bounding_box_start.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 
+#include "bounding_box.h"
 #include "parallel.h"
 
 namespace shrinkwrap {
@@ -41,6 +43,12 @@ void relax(SurfaceMesh& mesh, double eta, std::vector<Vec3>& moved, Progress& pr
 
 }  // namespace
 
+std::uint64_t vertices_after(int levels) {
+  std::uint64_t vertices = kBoxVertices;
+  for (int level = 0; level < std::min(levels, kMaxLevels); ++level) vertices = 4 * vertices - 6;
+  return vertices;
+}
+
 int levels_for(Index samples) {
   int levels = 0;
   for (Index vertices = kBoxVertices;
@@ -51,14 +59,10 @@ int levels_for(Index samples) {
 
 // The box lies a spacing off the samples, so that it has a volume even if they hardly do.
 SurfaceMesh box_around(const PointCloud& cloud) {
-  Vec3 low = cloud.position.front(), high = low;
-  for (const Vec3& p : cloud.position) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  const double least_margin = 1e-6 * (high - low).maxCoeff();
+  const Box box = bounding_box(cloud.position);
+  const double least_margin = 1e-6 * (box.high - box.low).maxCoeff();
   const Vec3 margin = Vec3::Constant(std::max(cloud.spacing, least_margin));
-  return box_mesh(low - margin, high + margin);
+  return box_mesh(box.low - margin, box.high + margin);
 }
 
 SurfaceMesh box_mesh(const Vec3& low, const Vec3& high) {

@@ -2,6 +2,8 @@
 // samples.
 #pragma once
 
+#include <cstdint>
+
 #include "initial_mesh.h"
 
 namespace shrinkwrap {
@@ -15,6 +17,9 @@ constexpr Index subdivided_vertices(Index vertices) {
 /// quarter of the samples (1,538 vertices for 12,321 samples and 6,146 for 34,267, as in tables 1
 /// and 2); 0 if there is none.
 int levels_for(Index samples);
+
+/// Vertices of the box after so many subdivisions.
+std::uint64_t vertices_after(int levels);
 
 /// What the start shrinks: the box of the samples with a margin of a spacing, in the unit frame.
 SurfaceMesh box_around(const PointCloud& cloud);

@@ -13,7 +13,7 @@
 namespace shrinkwrap {
 
 /// Finds the faces whose bounding boxes overlap. Four boxes lie side by side in memory and are
-/// compared at once; each entry of a level is the union of a group of four of the level below. 34
+/// compared at once; each entry of a level is the union of a group of four of the level below. 36
 /// bytes a face.
 ///
 /// Boxes are of single precision, relative to the middle of all faces. They need no margin: such
@@ -49,7 +49,8 @@ class BoxTree {
   template <class Fn>
   void for_each_overlapping_pair(Index cluster, const Fn& fn) const;
 
-  /// Gives a face another box. O(log F). The first call takes another 4 bytes a face.
+  /// Gives a face another box. O(log F). The first call takes another 4 bytes a face. Pre: the face
+  /// was not left out.
   void set_box(Index face, const Box& box);
 
  private:

@@ -1,5 +1,6 @@
 #include "delaunay_flips.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -11,7 +12,7 @@ namespace {
 // Sine of the excess over a half turn below which an edge is as good as its flip, so that four
 // vertices on a circle do not flip for ever.
 constexpr double kLeastExcess = 1e-7;
-constexpr Index kLooksPerEdge = 32;
+constexpr std::size_t kLooksPerEdge = 32;
 constexpr Index kProgressStride = 1 << 12;
 
 }  // namespace
@@ -76,7 +77,8 @@ void make_delaunay(SurfaceMesh& mesh, const VertexBlocks& blocks, Progress& prog
   const auto anchor = [&](Index h) { return mesh.origin(h); };
   const auto work = [&](const BlockOwner& owner, std::vector<Index>& edges) {
     std::vector<Index> stack, deferred;
-    Index budget = kLooksPerEdge * static_cast<Index>(edges.size());
+    Index budget = static_cast<Index>(
+        std::min<std::size_t>(kLooksPerEdge * edges.size(), std::numeric_limits<Index>::max()));
     for (std::size_t i = 0; i < edges.size(); ++i) {
       stack.assign(1, edges[i]);
       flip_to_delaunay(mesh, owner, stack, owner.is_last() ? nullptr : &deferred, budget);

@@ -76,14 +76,14 @@ struct Moments {
   }
 };
 
-// The quadric of a neighbourhood.
-struct Quadric {
+// The quadratic height field over a neighbourhood.
+struct HeightField {
   Coefficients coefficient;
   Kept variance;                  // of the first coefficients, for noise of 1
   double squared_residual = 0.0;  // mean, freed of the bias of the fit
   bool is_valid = false;
 
-  explicit Quadric(const Moments& moments) {
+  explicit HeightField(const Moments& moments) {
     if (moments.count() < kLeastSamples) return;
     const Eigen::LDLT<NormalEquations> solver(moments.matrix());
     coefficient = solver.solve(moments.height);
@@ -195,7 +195,7 @@ class Denoiser {
   // Of the smallest neighbourhood, in lengths of the cloud.
   float residual_at(Index sample) const {
     const Axes axes = axes_at(sample);
-    const Quadric quadric(rings_at(sample, axes, 1)[0]);
+    const HeightField quadric(rings_at(sample, axes, 1)[0]);
     return quadric.is_valid ? static_cast<float>(std::sqrt(quadric.squared_residual) / axes.scale)
                             : 0.0f;
   }
@@ -261,7 +261,7 @@ class Denoiser {
     bool is_first = true;
     for (int size = 0; size < sizes_; ++size) {
       sum += rings[size];
-      const Quadric quadric(sum);
+      const HeightField quadric(sum);
       if (!quadric.is_valid && is_first) continue;
       if (!quadric.is_valid || std::abs(quadric.coefficient[0]) > std::sqrt(squared_radius_[size]))
         break;

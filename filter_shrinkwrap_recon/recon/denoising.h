@@ -57,7 +57,7 @@ DenoisingReport denoise(PointCloud& cloud, double noise, int neighbours,
 /// order of before. The normals stay those of the surface that the samples scatter about, which
 /// tell one side of a thin limb from the other where those of noisy samples do not. Neighbours and
 /// spacing are those of so many `neighbours` again, tangent planes means over so many
-/// `plane_neighbours`. Pre: `is_denoised()`. O(N). Throws Cancelled.
+/// `plane_neighbours`. Pre: `is_denoised()`. O(N). Throws Cancelled; the cloud is of no use then.
 void undo_denoising(PointCloud& cloud, const std::vector<Vec3>& points, int neighbours,
                     int plane_neighbours, Progress& progress);
 

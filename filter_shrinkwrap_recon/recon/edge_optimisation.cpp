@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "delaunay_flips.h"
+#include "quadric.h"
 #include "triangle_geometry.h"
 #include "vertex_blocks.h"
 
@@ -188,10 +189,7 @@ class QuadricCriterion {
       Quadric& quadric = quadric_[v];
       mesh.for_each_outgoing(v, [&](Index h) {
         const Vec3 normal = unit_or_zero(mesh.area_vector(SurfaceMesh::face(h)));
-        const double offset = -normal.dot(mesh.position[v]);
-        quadric.linear += normal * normal.transpose();
-        quadric.constant += normal * offset;
-        quadric.square += offset * offset;
+        quadric.add_plane(normal, -normal.dot(mesh.position[v]), 1.0);
       });
     });
   }
@@ -215,27 +213,11 @@ class QuadricCriterion {
   }
 
  private:
-  // v^T Q v = v^T linear v + 2 constant.v + square.
-  struct Quadric {
-    Eigen::Matrix3d linear = Eigen::Matrix3d::Zero();
-    Vec3 constant = Vec3::Zero();
-    double square = 0.0;
-    double at(const Vec3& v) const { return v.dot(linear * v) + 2.0 * constant.dot(v) + square; }
-  };
-
-  // Eq. 12 at the point where the edge would be contracted to: the best one, or where the planes
-  // leave that open the best of the ends and the middle.
+  // Eq. 12 at the point where the edge would be contracted to.
   double cost(Index v, Index w) const {
     Quadric sum = quadric_[v];
-    sum.linear += quadric_[w].linear;
-    sum.constant += quadric_[w].constant;
-    sum.square += quadric_[w].square;
-    const Vec3 &p = mesh_.position[v], &q = mesh_.position[w];
-    double least = std::min(std::min(sum.at(p), sum.at(q)), sum.at(0.5 * (p + q)));
-    const double scale = sum.linear.trace();
-    if (sum.linear.determinant() > 1e-6 * scale * scale * scale)
-      least = std::min(least, sum.at(sum.linear.inverse() * -sum.constant));
-    return std::max(least, 0.0);
+    sum += quadric_[w];
+    return sum.cost(sum.best_position(mesh_.position[v], mesh_.position[w]));
   }
 
   SurfaceMesh& mesh_;

@@ -20,8 +20,9 @@ struct EdgeOptimisationOptions {
   /// Of sum (a^2 + b^2 + c^2) / (4 area), x mean hinge edge length. 0.03 follows creases as closely
   /// as 0.01 does, and takes half as much from the smallest angles of evenly spread samples.
   double shape_weight = 0.03;
-  double least_gain =
-      1e-5;  ///< x mean hinge edge length: smaller gains do not flip (planes would cycle)
+  /// Smaller gains do not flip (planes would cycle): x mean hinge edge length; quadric: x squared
+  /// length of the edge.
+  double least_gain = 1e-5;
   // What follows: triangles that are well shaped for it. Where the samples are the vertices of a
   // mesh of such triangles, this is nearer to it, often by half; of the surface beneath, least
   // bending tells more (up to a quarter of the distance, the more the more evenly samples are

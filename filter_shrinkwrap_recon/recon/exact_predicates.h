@@ -10,7 +10,8 @@
 
 namespace shrinkwrap {
 
-/// The tests of this header by exact arithmetic, without a filter. Pre: finite coordinates.
+/// The tests of this header without their own filter (CGAL has one before exact arithmetic). Pre:
+/// finite coordinates.
 namespace exact {
 int orientation_sign(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 int orientation_sign_2d(const Vec3& a, const Vec3& b, const Vec3& c, int dropped_axis);

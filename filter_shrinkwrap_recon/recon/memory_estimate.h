@@ -8,8 +8,8 @@
 namespace shrinkwrap {
 
 /// Peak memory of `reconstruct` for that many samples with so many neighbours each, in bytes: the
-/// input and result arrays and what the hungriest stage holds at once. Measured on random and on
-/// structured clouds, rounded up by a tenth; linear in `samples`.
+/// input and result arrays and what the hungriest stage holds at once. The most that was measured
+/// on random and on structured clouds; linear in `samples`.
 std::uint64_t estimated_peak_bytes(std::uint64_t samples, int neighbours = 16);
 
 /// Memory that the machine can still give without swapping, in bytes; 0 if the system does not

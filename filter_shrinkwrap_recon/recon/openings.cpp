@@ -172,11 +172,11 @@ std::vector<Index> cut_openings(const SurfaceMesh& mesh, const std::vector<Index
 }
 
 Index extra_vertices_kept(const SurfaceMesh& mesh, Index samples,
-                          const std::vector<Index>& dropped_faces) {
+                          const std::vector<Index>& opening_faces) {
   std::vector<char> is_kept(static_cast<std::size_t>(mesh.vertex_slots() - samples), 0);
   for (Index v = samples; v < mesh.vertex_slots(); ++v)
     mesh.for_each_outgoing(v, [&](Index h) {
-      if (!std::binary_search(dropped_faces.begin(), dropped_faces.end(), SurfaceMesh::face(h)))
+      if (!std::binary_search(opening_faces.begin(), opening_faces.end(), SurfaceMesh::face(h)))
         is_kept[v - samples] = 1;
     });
   return static_cast<Index>(std::count(is_kept.begin(), is_kept.end(), 1));

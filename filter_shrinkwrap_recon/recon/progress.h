@@ -32,7 +32,8 @@ const char* stage_name(Stage stage);
 /// callback at most every 20 ms, only from the thread that constructed the object, and throws
 /// Cancelled after it returned false.
 ///
-/// A stage calls `begin(stage)` once and `update(fraction)` often; both are cheap. `update` may be
+/// A stage calls `begin(stage)` first, and again where it goes on after another one, and
+/// `update(fraction)` often; both are cheap. `update` may be
 /// called from worker threads: there it only records, and throws Cancelled if a cancel is pending.
 class Progress {
  public:

@@ -209,7 +209,9 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   Reconstruction result;
   StageLog log(result, options);
 
-  require_memory_for((options.keep_stages ? 2 : 1) * points.size(), options.memory_limit,
+  std::uint64_t size = points.size();
+  if (!is_robust(options)) size = std::max(size, vertices_after(options.initial_mesh.levels));
+  require_memory_for((options.keep_stages ? 2 : 1) * size, options.memory_limit,
                      options.samples.neighbours);
   options.host_scalar = host_scalar_for(points, options);
   options.samples.memory_limit = options.memory_limit;

@@ -28,8 +28,6 @@ class SharedSets {
                       [&](Index i) { link_[i].store(i, std::memory_order_relaxed); });
   }
 
-  Index count() const { return static_cast<Index>(link_.size()); }
-
   /// The representative. Halves the path: a link may be replaced by a lower one at any time.
   Index find(Index i) {
     for (;;) {

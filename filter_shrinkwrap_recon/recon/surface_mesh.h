@@ -195,7 +195,8 @@ MeshComponents connected_components(const SurfaceMesh& mesh);
 MeshComponents connected_components(const SurfaceMesh& mesh, Progress& progress);
 
 /// The mesh of the components that are kept (by number), its vertices and faces in their order.
-/// `new_index`, if wanted: of each old vertex, kNone for those that go. O(V + F).
+/// `new_index`, if wanted: of each old vertex, kNone for those that go. O(V + F). Pre: no removed
+/// slots.
 SurfaceMesh kept_components(const SurfaceMesh& mesh, const MeshComponents& components,
                             const std::vector<char>& is_kept, Progress& progress,
                             std::vector<Index>* new_index = nullptr);

@@ -14,15 +14,10 @@ constexpr Index kProbeStride =
 VertexBlocks::VertexBlocks(const std::vector<Vec3>& positions, Progress& progress) {
   const Index count = static_cast<Index>(positions.size());
   cell_.assign(positions.size(), 0);
-  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
-  if (count > 0) low = high = positions[0];
-  for (const Vec3& p : positions) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  const double scale = 2097151.0 / std::max((high - low).maxCoeff(), 1e-300);
+  const Box box = bounding_box(positions);
+  const double scale = morton_cells_per_length(box);
   const auto key_of = [&](Index v) {
-    const Vec3 cell = (positions[v] - low) * scale;
+    const Vec3 cell = (positions[v] - box.low) * scale;
     return morton_key(static_cast<std::uint32_t>(cell.x()), static_cast<std::uint32_t>(cell.y()),
                       static_cast<std::uint32_t>(cell.z()));
   };

@@ -40,7 +40,8 @@ class VoxelSearch {
   };
 
   VoxelSearch() = default;
-  /// Pre: finite points, at most 2^31 - 1. O(N) if they come in Morton order, O(N log N) otherwise.
+  /// Pre: finite points, at most 2^31 - 1. O(N) if they come in Morton order, O(N log N)
+  /// otherwise, and for points of one finest cell, of which there are few, O(n log^2 n).
   VoxelSearch(std::vector<Vec3> points, Progress& progress);  ///< throws Cancelled
   explicit VoxelSearch(std::vector<Vec3> points);             ///< silent
 

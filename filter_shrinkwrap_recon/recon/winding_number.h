@@ -25,7 +25,7 @@ class WindingNumber {
  private:
   // A range of samples, in one line of the cache.
   struct alignas(64) Node {
-    Vec3f centre;           // area-weighted
+    Vec3f centre;           // of leaves by area, of their unions by the number of samples
     float squared_opening;  // squared distance from the centre from which the moments will do
     Vec3f dipole;           // sum of area x normal
     Index skip;             // the node that follows this one's subtree, in depth-first order
