@@ -46,8 +46,51 @@ class DoubleFace
 class DoubleMesh : public vcg::tri::TriMesh<vcg::vertex::vector_ocf<DoubleVertex>,
                                             vcg::face::vector_ocf<DoubleFace>> {};
 
-void enable_adjacency(FloatMesh&) {}
+// Normals of the vertices alone. (Faces without normals name the type of these for theirs.)
+class ShadedVertex;
+class ShadedFace;
+struct ShadedTypes
+    : vcg::UsedTypes<vcg::Use<ShadedVertex>::AsVertexType, vcg::Use<ShadedFace>::AsFaceType> {};
+class ShadedVertex : public vcg::Vertex<ShadedTypes, vcg::vertex::Coord3f, vcg::vertex::Normal3f,
+                                        vcg::vertex::BitFlags, vcg::vertex::Mark> {};
+class ShadedFace : public vcg::Face<ShadedTypes, vcg::face::VertexRef, vcg::face::FFAdj,
+                                    vcg::face::BitFlags, vcg::face::Mark> {};
+class ShadedMesh : public vcg::tri::TriMesh<std::vector<ShadedVertex>, std::vector<ShadedFace>> {};
+
+// Normals of the faces alone.
+class FacetedVertex;
+class FacetedFace;
+struct FacetedTypes
+    : vcg::UsedTypes<vcg::Use<FacetedVertex>::AsVertexType, vcg::Use<FacetedFace>::AsFaceType> {};
+class FacetedVertex : public vcg::Vertex<FacetedTypes, vcg::vertex::Coord3f, vcg::vertex::BitFlags,
+                                         vcg::vertex::Mark> {};
+class FacetedFace : public vcg::Face<FacetedTypes, vcg::face::VertexRef, vcg::face::Normal3f,
+                                     vcg::face::FFAdj, vcg::face::BitFlags, vcg::face::Mark> {};
+class FacetedMesh : public vcg::tri::TriMesh<std::vector<FacetedVertex>, std::vector<FacetedFace>> {
+};
+
+// Optional normals of both.
+class OptionalVertex;
+class OptionalFace;
+struct OptionalTypes
+    : vcg::UsedTypes<vcg::Use<OptionalVertex>::AsVertexType, vcg::Use<OptionalFace>::AsFaceType> {};
+class OptionalVertex
+    : public vcg::Vertex<OptionalTypes, vcg::vertex::InfoOcf, vcg::vertex::Coord3f,
+                         vcg::vertex::Normal3fOcf, vcg::vertex::BitFlags, vcg::vertex::Mark> {};
+class OptionalFace : public vcg::Face<OptionalTypes, vcg::face::InfoOcf, vcg::face::VertexRef,
+                                      vcg::face::Normal3fOcf, vcg::face::FFAdjOcf,
+                                      vcg::face::BitFlags, vcg::face::Mark> {};
+class OptionalMesh : public vcg::tri::TriMesh<vcg::vertex::vector_ocf<OptionalVertex>,
+                                              vcg::face::vector_ocf<OptionalFace>> {};
+
+template <class Mesh>
+void enable_adjacency(Mesh&) {}
+template <>
 void enable_adjacency(DoubleMesh& mesh) {
+  mesh.face.EnableFFAdjacency();
+}
+template <>
+void enable_adjacency(OptionalMesh& mesh) {
   mesh.face.EnableFFAdjacency();
 }
 
@@ -81,7 +124,7 @@ double volume(const Mesh& mesh) {
 
 template <class Mesh>
 class Adapters : public ::testing::Test {};
-using MeshTypes = ::testing::Types<FloatMesh, DoubleMesh>;
+using MeshTypes = ::testing::Types<FloatMesh, DoubleMesh, ShadedMesh, FacetedMesh, OptionalMesh>;
 TYPED_TEST_SUITE(Adapters, MeshTypes);
 
 TYPED_TEST(Adapters, ReconstructionIsClosedManifoldForVcglib) {
@@ -189,6 +232,47 @@ TEST(VcgAdapters, SamplesKeepWhatTheyCarry) {
   EXPECT_EQ(time_out[2], 0.5);
   EXPECT_EQ(mesh.vert_attr.size(), 3u) << "an attribute was copied under a second type";
   EXPECT_NEAR(mesh.vert[0].N().Norm(), 1.0f, 1e-5f);
+}
+
+// A tetrahedron with its corner at the origin, the first face in the plane z = 0.
+template <class Mesh>
+void reconstruct_corner(Mesh& mesh) {
+  Mesh cloud;
+  fill(cloud, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+  ResultMesh result;
+  result.position = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  result.input_index = {0, 1, 2, 3};
+  result.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  mesh_to_vcg(result, cloud, points_from_vcg(cloud), mesh);
+}
+
+template <class Element>
+void expect_normal(const Element& element, const vcg::Point3f& expected) {
+  EXPECT_LT(vcg::Distance(element.cN(), expected), 1e-6f);
+}
+
+TEST(VcgAdapters, NormalsOfVerticesAndOfFacesAreComputedWhereTheyAre) {
+  const vcg::Point3f corner = vcg::Point3f(-1, -1, -1).Normalize(), side(0, 0, -1);
+  FloatMesh both;
+  reconstruct_corner(both);
+  expect_normal(both.vert[0], corner);
+  expect_normal(both.face[0], side);
+  ShadedMesh of_vertices;
+  reconstruct_corner(of_vertices);
+  expect_normal(of_vertices.vert[0], corner);
+  FacetedMesh of_faces;
+  reconstruct_corner(of_faces);
+  expect_normal(of_faces.face[0], side);
+}
+
+TEST(VcgAdapters, OptionalNormalsAreComputedOnceEnabled) {
+  OptionalMesh mesh;
+  mesh.vert.EnableNormal();
+  reconstruct_corner(mesh);
+  expect_normal(mesh.vert[0], vcg::Point3f(-1, -1, -1).Normalize());
+  mesh.face.EnableNormal();
+  reconstruct_corner(mesh);
+  expect_normal(mesh.face[0], vcg::Point3f(0, 0, -1));
 }
 
 TEST(VcgAdapters, ProgressCallbackMayBeNullAndMayCancel) {

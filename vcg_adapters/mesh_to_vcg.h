@@ -32,12 +32,19 @@ void copy_vertex_attributes(const CloudMesh& cloud, const std::vector<std::size_
   }
 }
 
-// True if vertices and faces have normals of the type of the coordinates.
+// Computes the normals that the mesh has, of vertices and of faces each by itself: optional ones
+// only while they are enabled, and only those of the type of the coordinates. (Elements without
+// normals name a type for them all the same.)
 template <class Mesh>
-constexpr bool has_normals() {
+void update_normals(Mesh& mesh) {
   using Coordinates = typename Mesh::CoordType;
-  return std::is_same<typename Mesh::VertexType::NormalType, Coordinates>::value &&
-         std::is_same<typename Mesh::FaceType::NormalType, Coordinates>::value;
+  if constexpr (std::is_same<typename Mesh::FaceType::NormalType, Coordinates>::value)
+    if (vcg::tri::HasPerFaceNormal(mesh)) vcg::tri::UpdateNormal<Mesh>::PerFaceNormalized(mesh);
+  if constexpr (std::is_same<typename Mesh::VertexType::NormalType, Coordinates>::value)
+    if (vcg::tri::HasPerVertexNormal(mesh)) {
+      vcg::tri::UpdateNormal<Mesh>::PerVertexAngleWeighted(mesh);
+      vcg::tri::UpdateNormal<Mesh>::NormalizePerVertex(mesh);
+    }
 }
 
 }  // namespace internal
@@ -83,12 +90,8 @@ void mesh_to_vcg(const ResultMesh& result, const CloudMesh& cloud, const VcgPoin
   internal::copy_vertex_attributes<vcg::Point3d>(cloud, cloud_vertex, mesh);
 
   vcg::tri::UpdateBounding<Mesh>::Box(mesh);
-  if constexpr (internal::has_normals<Mesh>()) {
-    if (result.triangles.empty()) return;  // points keep the normals that they brought
-    vcg::tri::UpdateNormal<Mesh>::PerFaceNormalized(mesh);
-    vcg::tri::UpdateNormal<Mesh>::PerVertexAngleWeighted(mesh);
-    vcg::tri::UpdateNormal<Mesh>::NormalizePerVertex(mesh);
-  }
+  // Points keep the normals that they brought.
+  if (!result.triangles.empty()) internal::update_normals(mesh);
 }
 
 }  // namespace shrinkwrap
