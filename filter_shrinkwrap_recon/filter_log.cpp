@@ -35,7 +35,9 @@ std::string conditioning_line(const ConditioningReport& report, double spacing) 
               : "");
 }
 
-std::string verdict_of(const MeshReport& report) {
+namespace {
+
+std::string topology_of(const MeshReport& report) {
   std::string text =
       report.closed() ? "closed" : "open (" + count_of(report.border_loops, "border") + ")";
   if (report.manifold())
@@ -45,14 +47,28 @@ std::string verdict_of(const MeshReport& report) {
   text += ", " + count_of(report.components, "component");
   if (report.components_inside_out > 0)
     text += " (" + std::to_string(report.components_inside_out) + " inside out)";
-  text += "; " + std::to_string(report.samples_matched) + " of " + std::to_string(report.samples) +
-          " samples matched";
+  return text;
+}
+
+std::string intersections_of(const MeshReport& report) {
+  if (report.self_intersecting_faces < 0) return "";
+  return "; " + count_of(report.self_intersecting_faces, "self-intersecting face");
+}
+
+}  // namespace
+
+std::string verdict_of(const MeshReport& report) {
+  std::string text = topology_of(report) + "; " + std::to_string(report.samples_matched) + " of " +
+                     std::to_string(report.samples) + " samples matched";
   if (report.vertices_extra > 0)
     text +=
         ", " + count_of(report.vertices_extra, "extra vertex", "extra vertices") + " beside them";
-  if (report.self_intersecting_faces >= 0)
-    text += "; " + count_of(report.self_intersecting_faces, "self-intersecting face");
-  return text;
+  return text + intersections_of(report);
+}
+
+std::string verdict_on_surface(const MeshReport& report) {
+  return topology_of(report) + "; " + count_of(report.vertices, "vertex", "vertices") + " for " +
+         count_of(report.samples, "sample") + intersections_of(report);
 }
 
 std::string repair_line(const RepairReport& report) {
@@ -103,7 +119,7 @@ void warn_of(const OrientationReport& report, std::vector<std::string>& warnings
         "is a guess. Where it is wrong, turn the mesh (filter \"Invert Faces Orientation\").");
 }
 
-void tell_of_noise(double noise, const DenoisingReport& denoising,
+void tell_of_noise(Filter filter, double noise, const DenoisingReport& denoising,
                    const ReconstructionOptions& options, FilterOutcome& outcome) {
   outcome.figures["noise"] = noise;
   outcome.log.push_back("noise of the samples: about " + formatted("%.2f", noise) + " spacings");
@@ -115,8 +131,12 @@ void tell_of_noise(double noise, const DenoisingReport& denoising,
   if (noise > options.noise.high && !options.stop_at_parametric_surface)
     outcome.warnings.push_back(
         "The samples are noisy, by about " + formatted("%.2f", noise) +
-        " of their spacing: a mesh through every one of them is rough. Stop at the parametric "
-        "surface (StopAtParametricSurface) for a smooth one near them.");
+        " of their spacing: a mesh through every one of them is rough. " +
+        (filter == Filter::reconstruct
+             ? "Stop at the parametric surface (StopAtParametricSurface) for a smooth one near "
+               "them."
+             : "For a smooth one near them, smooth for noise in this filter and in the others that "
+               "can (SmoothForNoise), and leave off after Parametric Surface."));
 }
 
 void tell_of_sheet(const OrientationReport& report, const ReconstructionOptions& options,

@@ -29,6 +29,8 @@ std::string openings_line(const OpeningsReport& report);
 // Parts of lines.
 std::string notches_filled(Index count);
 std::string verdict_of(const MeshReport& report);
+/// Of a surface near the samples, which need not be vertices of it.
+std::string verdict_on_surface(const MeshReport& report);
 std::string but_outliers(const OutlierReport& report);
 
 /// The verdict of a stage that makes a surface.
@@ -46,8 +48,9 @@ void warn_of_openings(const ReconstructionOptions& options, std::vector<std::str
 void warn_of_subdivision(const ParametricSurfaceReport& report, Index samples,
                          std::vector<std::string>& warnings);
 
-/// How noisy the samples are, what was done about it, and what would suit them better.
-void tell_of_noise(double noise, const DenoisingReport& denoising,
+/// How noisy the samples are, what was done about it, and what would suit them better, as far as
+/// `filter` can do it.
+void tell_of_noise(Filter filter, double noise, const DenoisingReport& denoising,
                    const ReconstructionOptions& options, FilterOutcome& outcome);
 /// Which choice for openings suits an open sheet, where all were closed.
 void tell_of_sheet(const OrientationReport& report, const ReconstructionOptions& options,

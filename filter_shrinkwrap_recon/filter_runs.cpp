@@ -76,12 +76,12 @@ PointCloud prepare(const FilterInput& input, const ReconstructionOptions& option
 }
 
 // As a surface is made from them; `options` of the later stages are changed to suit.
-PointCloud prepare_oriented(const FilterInput& input, ReconstructionOptions& options,
+PointCloud prepare_oriented(Filter filter, const FilterInput& input, ReconstructionOptions& options,
                             CloudReport& samples, Progress& progress, FilterOutcome& outcome) {
   PointCloud cloud = prepare(input, options, progress, outcome);
   samples = orient_and_smooth(cloud, options, progress);
   warn_of(samples.orientation, outcome.warnings);
-  tell_of_noise(samples.noise.median, samples.denoising, options, outcome);
+  tell_of_noise(filter, samples.noise.median, samples.denoising, options, outcome);
   return cloud;
 }
 
@@ -114,7 +114,7 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   FilterOutcome outcome;
   outcome.figures = figures_of(result.report);
   outcome.log.push_back(conditioning_line(result.conditioning, result.spacing));
-  tell_of_noise(result.noise, result.denoising, request.options, outcome);
+  tell_of_noise(Filter::reconstruct, result.noise, result.denoising, request.options, outcome);
   tell_of_sheet(result.orientation, request.options, outcome);
   double total = 0.0;
   for (const StageRecord& stage : result.stages) {
@@ -131,7 +131,10 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   tell_of_attempts(result, outcome);
   tell_of(result.surface_detail, outcome);
   tell_of(result.outliers, outcome);
-  outcome.log.push_back(kSucceeded + verdict_of(result.report) + but_outliers(result.outliers));
+  const bool is_surface = request.options.stop_at_parametric_surface;
+  outcome.log.push_back(kSucceeded +
+                        (is_surface ? verdict_on_surface(result.report)
+                                    : verdict_of(result.report) + but_outliers(result.outliers)));
   outcome.outliers = outlier_layer(result.outliers, input.points);
   warn_of(result.orientation, outcome.warnings);
   warn_of(result.initial_mesh, outcome.warnings);
@@ -152,11 +155,9 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   if (result.openings.spanned + result.openings.left_open > 0)
     outcome.log.insert(outcome.log.end() - 1, openings_line(result.openings));
 
-  outcome.marked_faces = std::move(request.options.stop_at_parametric_surface
-                                       ? result.relaxation.remaining_faces
-                                       : result.intersection_repair.remaining_faces);
-  outcome.layer_suffix =
-      request.options.stop_at_parametric_surface ? "shrink wrap parametric surface" : "shrink wrap";
+  outcome.marked_faces = std::move(is_surface ? result.relaxation.remaining_faces
+                                              : result.intersection_repair.remaining_faces);
+  outcome.layer_suffix = is_surface ? "shrink wrap parametric surface" : "shrink wrap";
   outcome.mesh = std::move(result.mesh);
   for (StageRecord& stage : result.stages) {
     // The last stage that made a mesh is the result itself, unless the samples were matched to it.
@@ -172,7 +173,8 @@ FilterOutcome run_initial_mesh(const FilterRequest& request, const FilterInput& 
   FilterOutcome outcome;
   ReconstructionOptions options = request.options;
   CloudReport samples;
-  const PointCloud cloud = prepare_oriented(input, options, samples, progress, outcome);
+  const PointCloud cloud =
+      prepare_oriented(Filter::initial_mesh, input, options, samples, progress, outcome);
   const InitialMesh initial = make_initial_mesh(cloud, options.initial_mesh, progress);
   warn_of(initial.report, outcome.warnings);
   if (initial.report.is_of_detail_size) outcome.log.push_back(detail_line(initial.report));
@@ -203,7 +205,8 @@ FilterOutcome run_parametric_surface(const FilterRequest& request, const FilterI
   ReconstructionOptions options = request.options;
   options.host_scalar = host_scalar_for(input.points, options);
   CloudReport samples;
-  PointCloud cloud = prepare_oriented(input, options, samples, progress, outcome);
+  PointCloud cloud =
+      prepare_oriented(Filter::parametric_surface, input, options, samples, progress, outcome);
   FittedSurface fitted =
       fit_surface(closed_surface(input.mesh, cloud.frame), cloud, options, progress);
   outcome.mesh = stop_at(fitted, cloud, input.points, samples.noise.median, options, progress);
@@ -362,7 +365,8 @@ FilterOutcome run_matching_report(const FilterRequest& request, const FilterInpu
   MeshReport report = measure_mesh(input.mesh.position, input.mesh.triangles, input.points,
                                    request.options.report, progress);
   OutlierReport outliers;
-  // Only if samples are missing does it matter which of them are outliers.
+  // Only if samples are missing does it matter which of them are outliers: of a mesh through all of
+  // them none is left out.
   if (report.samples_missing > 0 && request.options.outliers.exclude) {
     const std::vector<Vec3> kept = samples_to_match(input, request.options, outliers, progress);
     if (!outliers.input_index.empty()) {
@@ -372,8 +376,8 @@ FilterOutcome run_matching_report(const FilterRequest& request, const FilterInpu
       report = measure_mesh(input.mesh.position, input.mesh.triangles, kept, again, progress);
       report.self_intersecting_faces = self_intersecting_faces;
     }
-    tell_of(outliers, outcome);
   }
+  tell_of(outliers, outcome);
   const bool is_complete = report.closed() && report.manifold() && report.complete_matching();
   for (const auto& [name, value] : figures_of(report)) outcome.figures[name] = value;
   for (std::string& line : describe(report)) outcome.log.push_back(std::move(line));

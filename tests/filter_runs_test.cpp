@@ -6,37 +6,13 @@
 #include <cmath>
 #include <cstring>
 
-#include "script_figures.h"
+#include "filter_outcomes.h"
 #include "shapes.h"
 
 namespace {
 
 using namespace shrinkwrap;
 using namespace shrinkwrap::testing;
-
-std::vector<Vec3> in_single_precision(std::vector<Vec3> points) {
-  for (Vec3& p : points) p = rounded_to_single(p);
-  return points;
-}
-
-// What a layer of the host makes of a result.
-FilterInput through_layer(const std::vector<Vec3>& points, const FilterOutcome& outcome) {
-  FilterInput input;
-  input.points = points;
-  input.mesh = outcome.mesh;
-  input.mesh.position = in_single_precision(input.mesh.position);
-  input.mesh.input_index.assign(input.mesh.position.size(), kNone);
-  return input;
-}
-
-FilterOutcome run(Filter filter, const FilterInput& input, const ParameterValues& changed = {}) {
-  ParameterValues values = default_values(filter);
-  for (const auto& [name, value] : changed)
-    if (values.count(name) > 0) values[name] = value;
-  const FilterRequest request = request_of(filter, values);
-  Progress silent;
-  return run_filter(filter, request, input, silent);
-}
 
 FilterOutcome run_chain(const std::vector<Vec3>& points, const ParameterValues& changed) {
   FilterInput input;
@@ -176,14 +152,6 @@ TEST(FilterRuns, ChainThatFillsNotchesGivesTheBytesOfTheOneShot) {
   }
 }
 
-bool is_in(const std::vector<std::string>& lines, const std::string& what) {
-  return std::any_of(lines.begin(), lines.end(),
-                     [&](const std::string& line) { return line.find(what) != std::string::npos; });
-}
-bool is_told(const FilterOutcome& outcome, const std::string& what) {
-  return is_in(outcome.log, what);
-}
-
 // The matching makes them samples again, and the stages after it find them among the vertices.
 TEST(FilterRuns, ChainThatKeepsOutliersGivesTheBytesOfTheOneShot) {
   const Vec3 stray(0.5, 0.5, 1.25);
@@ -274,36 +242,6 @@ TEST(FilterRuns, ASurfaceThatKeepsDetailIsTold) {
   EXPECT_TRUE(is_told(alone, "with the detail of its samples, 600 vertices, 1196 faces"));
 }
 
-TEST(FilterRuns, WhatSuitsAnOpenSheetIsTold) {
-  FilterInput strip, torus;
-  strip.points = in_single_precision(sample_strip(600, 10, 4));
-  torus.points = in_single_precision(sample_shape(ShapeKind::torus, 1000, 3));
-  const std::string told = "with automatic openings";
-  EXPECT_TRUE(is_told(run(Filter::reconstruct, strip), told));
-  EXPECT_TRUE(is_told(run(Filter::reconstruct, strip, {{"StopAtParametricSurface", 1}}), told));
-  EXPECT_FALSE(is_told(run(Filter::reconstruct, strip, {{"Openings", 2}}), told));
-  EXPECT_FALSE(is_told(run(Filter::reconstruct, strip, {{"Method", 1}}), told));
-  EXPECT_FALSE(is_told(run(Filter::reconstruct, torus), told));
-}
-
-TEST(FilterRuns, NoiseAndWhatWasSmoothedAreTold) {
-  SampleDefects defects;
-  defects.noise = 0.6;
-  FilterInput input;
-  input.points = in_single_precision(sample_shape(ShapeKind::torus, 2500, 3, defects));
-  const ParameterValues stop = {{"StopAtParametricSurface", 1}}, smooth = {{"SmoothForNoise", 1}};
-  const FilterOutcome initial = run(Filter::initial_mesh, input, smooth);
-  const FilterInput control =
-      through_layer(input.points, run(Filter::control_mesh, through_layer(input.points, initial)));
-  for (const FilterOutcome& outcome : {run(Filter::reconstruct, input, stop), initial,
-                                       run(Filter::parametric_surface, control, smooth)}) {
-    EXPECT_GT(std::get<double>(outcome.figures.at("noise")), 0.4);
-    EXPECT_TRUE(is_told(outcome, "noise of the samples")) << outcome.layer_suffix;
-    EXPECT_TRUE(is_told(outcome, "noise smoothed: 2500 samples moved")) << outcome.layer_suffix;
-  }
-  EXPECT_FALSE(is_told(run(Filter::reconstruct, input), "noise smoothed"));
-}
-
 TEST(FilterRuns, OpeningsOfASurfaceAreToldAndTheChainHasThem) {
   SampleDefects defects;
   defects.noise = 0.4;
@@ -371,22 +309,6 @@ TEST(FilterRuns, OutliersAreTold) {
   EXPECT_TRUE(all.outliers.position.empty());
   EXPECT_NE(all.log.back().find("1501 of 1501 samples matched"), std::string::npos)
       << all.log.back();
-}
-
-TEST(FilterRuns, EveryRunEndsWithAVerdict) {
-  const std::vector<Vec3> points = in_single_precision(sample_shape(ShapeKind::sphere, 800, 6));
-  FilterInput input;
-  input.points = points;
-  const FilterOutcome surface = run(Filter::reconstruct, input, {{"StopAtParametricSurface", 1}});
-  const FilterOutcome mesh = run(Filter::reconstruct, input);
-  for (const FilterOutcome& outcome :
-       {surface, mesh, run(Filter::matching_report, through_layer(points, mesh)),
-        run(Filter::distance_to_samples, through_layer(points, mesh))}) {
-    ASSERT_FALSE(outcome.log.empty());
-    EXPECT_EQ(outcome.log.back().rfind(kSucceeded, 0), 0u) << outcome.log.back();
-  }
-  EXPECT_NE(mesh.log.back().find("800 of 800 samples matched"), std::string::npos)
-      << mesh.log.back();
 }
 
 TEST(FilterRuns, ReportTellsCompleteFromIncomplete) {
@@ -549,30 +471,6 @@ TEST(FilterRuns, StagesRefuseWhatDoesNotFitOrIsNotFinite) {
     }
     EXPECT_NE(message.find("not finite"), std::string::npos) << message;
   }
-}
-
-// The type of a figure does not depend on its value: a script may rely on it.
-TEST(FilterRuns, FiguresForScriptsHaveFixedTypes) {
-  FilterInput input;
-  input.points = in_single_precision(sample_shape(ShapeKind::torus, 1000, 10));
-  const FilterOutcome outcome = run(Filter::reconstruct, input);
-  int times = 0;
-  for (const auto& [name, value] : outcome.figures) {
-    EXPECT_EQ(std::holds_alternative<double>(value), is_real_figure(name)) << name;
-    times += name.rfind("seconds_", 0) == 0;
-  }
-  EXPECT_EQ(times, 10) << "nine stages and the total";
-  for (const char* name : kScriptFigures) EXPECT_EQ(outcome.figures.count(name), 1u) << name;
-  EXPECT_EQ(outcome.figures.size(), kScriptFigures.size() + 9);
-  EXPECT_EQ(std::get<Index>(outcome.figures.at("genus")), 1);
-  EXPECT_EQ(std::get<Index>(outcome.figures.at("samples_matched")), 1000);
-  EXPECT_EQ(std::get<Index>(outcome.figures.at("self_intersecting_faces")), 0);
-
-  FilterInput itself = through_layer(input.points, outcome);
-  const FilterOutcome distance = run(Filter::distance_to_samples, itself);
-  EXPECT_EQ(std::get<Index>(distance.figures.at("vertices")), 1000);
-  EXPECT_EQ(std::get<double>(distance.figures.at("mean_distance")), 0.0);
-  EXPECT_EQ(std::get<double>(distance.figures.at("greatest_distance")), 0.0);
 }
 
 TEST(FilterRuns, StagesDeclaredAreStagesPassed) {

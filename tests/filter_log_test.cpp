@@ -1,0 +1,98 @@
+#include "filter_log.h"
+
+#include <gtest/gtest.h>
+
+#include "filter_outcomes.h"
+#include "shapes.h"
+
+namespace {
+
+using namespace shrinkwrap;
+using namespace shrinkwrap::testing;
+
+TEST(FilterLog, WhatSuitsAnOpenSheetIsTold) {
+  FilterInput strip, torus;
+  strip.points = in_single_precision(sample_strip(600, 10, 4));
+  torus.points = in_single_precision(sample_shape(ShapeKind::torus, 1000, 3));
+  const std::string told = "with automatic openings";
+  EXPECT_TRUE(is_told(run(Filter::reconstruct, strip), told));
+  EXPECT_TRUE(is_told(run(Filter::reconstruct, strip, {{"StopAtParametricSurface", 1}}), told));
+  EXPECT_FALSE(is_told(run(Filter::reconstruct, strip, {{"Openings", 2}}), told));
+  EXPECT_FALSE(is_told(run(Filter::reconstruct, strip, {{"Method", 1}}), told));
+  EXPECT_FALSE(is_told(run(Filter::reconstruct, torus), told));
+}
+
+TEST(FilterLog, NoiseAndWhatWasSmoothedAreTold) {
+  SampleDefects defects;
+  defects.noise = 0.6;
+  FilterInput input;
+  input.points = in_single_precision(sample_shape(ShapeKind::torus, 2500, 3, defects));
+  const ParameterValues stop = {{"StopAtParametricSurface", 1}}, smooth = {{"SmoothForNoise", 1}};
+  const FilterOutcome initial = run(Filter::initial_mesh, input, smooth);
+  const FilterInput control =
+      through_layer(input.points, run(Filter::control_mesh, through_layer(input.points, initial)));
+  for (const FilterOutcome& outcome : {run(Filter::reconstruct, input, stop), initial,
+                                       run(Filter::parametric_surface, control, smooth)}) {
+    EXPECT_GT(std::get<double>(outcome.figures.at("noise")), 0.4);
+    EXPECT_TRUE(is_told(outcome, "noise of the samples")) << outcome.layer_suffix;
+    EXPECT_TRUE(is_told(outcome, "noise smoothed: 2500 samples moved")) << outcome.layer_suffix;
+  }
+  EXPECT_FALSE(is_told(run(Filter::reconstruct, input), "noise smoothed"));
+}
+
+TEST(FilterLog, EveryRunEndsWithAVerdict) {
+  const std::vector<Vec3> points = in_single_precision(sample_shape(ShapeKind::sphere, 800, 6));
+  FilterInput input;
+  input.points = points;
+  const FilterOutcome surface = run(Filter::reconstruct, input, {{"StopAtParametricSurface", 1}});
+  const FilterOutcome mesh = run(Filter::reconstruct, input);
+  for (const FilterOutcome& outcome :
+       {surface, mesh, run(Filter::matching_report, through_layer(points, mesh)),
+        run(Filter::distance_to_samples, through_layer(points, mesh))}) {
+    ASSERT_FALSE(outcome.log.empty());
+    EXPECT_EQ(outcome.log.back().rfind(kSucceeded, 0), 0u) << outcome.log.back();
+  }
+  EXPECT_NE(mesh.log.back().find("800 of 800 samples matched"), std::string::npos)
+      << mesh.log.back();
+}
+
+// A surface near the samples passes through hardly any of them, and is not meant to.
+TEST(FilterLog, TheVerdictOnASurfaceIsNotAboutMatching) {
+  FilterInput input;
+  input.points = in_single_precision(sample_shape(ShapeKind::torus, 1000, 10));
+  input.points.push_back(Vec3(2, 2, 2));
+  const FilterOutcome outcome = run(Filter::reconstruct, input, {{"StopAtParametricSurface", 1}});
+  const std::string& verdict = outcome.log.back();
+  ASSERT_EQ(outcome.outliers.position.size(), 1u);
+  for (const char* word : {"match", "extra", "every sample"})
+    EXPECT_EQ(verdict.find(word), std::string::npos) << verdict;
+  const std::string vertices = std::to_string(outcome.mesh.position.size());
+  EXPECT_NE(verdict.find("closed 2-manifold of genus 1, 1 component; " + vertices +
+                         " vertices for 1000 samples; 0 self-intersecting faces"),
+            std::string::npos)
+      << verdict;
+}
+
+// What a warning advises is a parameter of the filter that gives it.
+TEST(FilterLog, AdviceForNoiseIsWhatTheFilterCanDo) {
+  SampleDefects defects;
+  defects.noise = 0.6;
+  FilterInput input;
+  input.points = in_single_precision(sample_shape(ShapeKind::torus, 1500, 3, defects));
+  const FilterOutcome initial = run(Filter::initial_mesh, input);
+  const FilterInput control =
+      through_layer(input.points, run(Filter::control_mesh, through_layer(input.points, initial)));
+  const auto expect_advice = [](const FilterOutcome& outcome, const char* other,
+                                const char* parameter) {
+    EXPECT_TRUE(is_in(outcome.warnings, parameter)) << outcome.layer_suffix;
+    EXPECT_FALSE(is_in(outcome.warnings, other)) << outcome.layer_suffix;
+  };
+  expect_advice(run(Filter::reconstruct, input), "SmoothForNoise", "StopAtParametricSurface");
+  expect_advice(initial, "StopAtParametricSurface", "SmoothForNoise");
+  expect_advice(run(Filter::parametric_surface, control), "StopAtParametricSurface",
+                "SmoothForNoise");
+  // Who follows it is not told again.
+  EXPECT_FALSE(is_in(run(Filter::initial_mesh, input, {{"SmoothForNoise", 1}}).warnings, "noisy"));
+}
+
+}  // namespace
