@@ -137,7 +137,7 @@ Parameter openings() {
   return choice(
       kOpenings, "Openings in the scan", {"Close", "Leave open", "Automatic"},
       "Robust method: what becomes of places without samples that are wider than about "
-      "four sample spacings.<br><b>Close</b> spans them with faces between the points around them "
+      "eight sample spacings.<br><b>Close</b> spans them with faces between the points around them "
       "(where the run stops at the parametric surface, with a membrane stretched between their "
       "rims), and the mesh is watertight. Their face quality tells these faces from others: "
       "the longest edge in sample spacings, 0 elsewhere.<br><b>Leave open</b> takes "
@@ -288,25 +288,25 @@ Parameter attraction() {
 
 Parameter crease_angle() {
   return advanced(number(
-      Kind::real, kCreaseAngle, "Crease angle (degrees; below 0: automatic)", -1.0, -1.0, 180.0,
+      Kind::real, kCreaseAngle, "Crease angle (degrees; -1: automatic)", -1.0, -1.0, 180.0,
       "Edges are chosen for the shape of their triangles (Delaunay) where no other edges bend by "
       "more than this then, after the method's own choice, which follows the bends of the surface; "
       "edges that bend by more, and where angles would be below 25 degrees, only if they bend by "
       "no more than 1.3 times as much then. 0: nowhere. Raised: better shaped triangles, "
-      "fewer edges kept sharp. Below 0: what the method has (Robust 50, As in the paper 0). Can be "
-      "applied to a finished mesh. Unit: degrees; range 0 to 180."));
+      "fewer edges kept sharp. -1: what the method has (Robust 50, As in the paper 0). Can be "
+      "applied to a finished mesh. Unit: degrees; -1, or 0 to 180."));
 }
 
 Parameter least_gap() {
   return advanced(number(
-      Kind::real, kLeastGap, "Least gap between diagonals (below 0: automatic)", -1.0, -1.0, 1.0,
+      Kind::real, kLeastGap, "Least gap between diagonals (-1: automatic)", -1.0, -1.0, 1.0,
       "Where the two diagonals of a pair of faces pass each other at a distance of at least this, "
       "and of at least five times the median of all, or at one of the 5 % largest distances, the "
       "one is taken that is nearer to the surface as the tangent planes of the four vertices tell "
       "it. 0: wherever they differ, which is nearer to a smooth surface, with narrower triangles. "
-      "Raised: only where a wrong choice would show. 1: nowhere. Below 0: what the method has "
+      "Raised: only where a wrong choice would show. 1: nowhere. -1: what the method has "
       "(Robust 0.03, As in the paper 1). Can be applied to a finished mesh. Unit: mean length of "
-      "the diagonals; range 0 to 1."));
+      "the diagonals; -1, or 0 to 1."));
 }
 
 void append(std::vector<Parameter>& list, const std::vector<Parameter>& more) {

@@ -66,95 +66,150 @@ TEST(FilterParameters, FewAreNotAdvanced) {
   }
 }
 
-// Defaults of the dialog are those of the library.
+// A good value of a parameter that is not its default, and what becomes of it: the option that it
+// is translated to, as a number.
+struct Translation {
+  const char* parameter;
+  double value;
+  double (*option)(const FilterRequest&);
+  double expected;
+};
+
+template <class Value>
+double as_number(Value value) {
+  return static_cast<double>(value);
+}
+
+const std::vector<Translation>& translations() {
+  using Request = const FilterRequest&;
+  static const std::vector<Translation> all = {
+      {"Method", 1, [](Request r) { return as_number(r.options.initial_mesh.start); },
+       as_number(as_in_the_paper().initial_mesh.start)},
+      {"StopAtParametricSurface", 1,
+       [](Request r) { return as_number(r.options.stop_at_parametric_surface); }, 1},
+      {"SmoothForNoise", 1,
+       [](Request r) { return as_number(r.options.stop_at_parametric_surface); }, 1},
+      {"SmoothForNoise", 1, [](Request r) { return r.options.denoising.before_initial_mesh_from; },
+       0},
+      {"BacksAreOpenings", 1,
+       [](Request r) { return as_number(r.options.complete_matching.backs_are_openings); }, 1},
+      {"Openings", 1, [](Request r) { return as_number(r.options.complete_matching.openings); },
+       as_number(CompleteMatchingOptions::Openings::leave_open)},
+      {"Openings", 2, [](Request r) { return as_number(r.options.complete_matching.openings); },
+       as_number(CompleteMatchingOptions::Openings::automatic)},
+      {"SelectedOnly", 1, [](Request r) { return as_number(r.selected_only); }, 1},
+      {"ExcludeOutliers", 0, [](Request r) { return as_number(r.options.outliers.exclude); }, 0},
+      {"KeepStages", 1, [](Request r) { return as_number(r.options.keep_stages); }, 1},
+      {"Threads", 2, [](Request r) { return as_number(r.options.threads); }, 2},
+      {"Neighbours", 24, [](Request r) { return as_number(r.options.samples.neighbours); }, 24},
+      {"VoxelSize", 1.1, [](Request r) { return r.options.initial_mesh.voxel_size; }, 1.1},
+      {"Level", 0.3, [](Request r) { return r.options.initial_mesh.level; }, 0.3},
+      {"WidestOpening", 12, [](Request r) { return r.options.complete_matching.widest_opening; },
+       12},
+      {"MaximumGenus", 3, [](Request r) { return as_number(r.options.initial_mesh.maximum_genus); },
+       3},
+      {"CutFalseHandles", 0,
+       [](Request r) { return as_number(r.options.initial_mesh.false_handles.enabled); }, 0},
+      {"MinComponentSamples", 50,
+       [](Request r) { return as_number(r.options.initial_mesh.min_component_samples); }, 50},
+      {"ShrinkIterations", 7,
+       [](Request r) { return as_number(r.options.initial_mesh.shrink_iterations); }, 7},
+      {"BoxLevels", 5, [](Request r) { return as_number(r.options.initial_mesh.levels); }, 5},
+      {"Projection", 0.6, [](Request r) { return r.options.initial_mesh.projection; }, 0.6},
+      {"BoxRelaxation", 0.1, [](Request r) { return r.options.initial_mesh.box_relaxation; }, 0.1},
+      {"ControlVertices", 500,
+       [](Request r) { return as_number(r.options.control_mesh.target_vertices); }, 500},
+      {"FitIterations", 8,
+       [](Request r) { return as_number(r.options.parametric_surface.iterations); }, 8},
+      {"Attraction", 0.5, [](Request r) { return r.options.parametric_surface.attraction; }, 0.5},
+      {"CreaseAngle", 45, [](Request r) { return r.options.edge_optimisation.crease_angle; },
+       kPi / 4.0},
+      {"CreaseAngle", 0, [](Request r) { return r.options.edge_optimisation.crease_angle; }, 0},
+      {"LeastGap", 0.5, [](Request r) { return r.options.edge_optimisation.least_gap; }, 0.5},
+      {"LeastGap", 0, [](Request r) { return r.options.edge_optimisation.least_gap; }, 0},
+      {"RepairIntersections", 0,
+       [](Request r) { return as_number(r.options.intersection_repair.enabled); }, 0},
+      {"CountIntersections", 0,
+       [](Request r) { return as_number(r.options.report.count_self_intersections); }, 0},
+      {"FailIfIncomplete", 1, [](Request r) { return as_number(r.fail_if_incomplete); }, 1},
+  };
+  return all;
+}
+
+std::vector<Translation> translations_of(const std::string& parameter) {
+  std::vector<Translation> chosen;
+  for (const Translation& translation : translations())
+    if (translation.parameter == parameter) chosen.push_back(translation);
+  return chosen;
+}
+
+// So that no parameter comes without a test of its default and of a value.
+TEST(FilterParameters, EveryOneIsInTheTableOfTranslations) {
+  std::set<std::string> declared, translated;
+  for (const Filter filter : all_filters())
+    for (const Parameter& parameter : parameters_of(filter))
+      if (parameter.kind != Parameter::Kind::layer) declared.insert(parameter.name);
+  for (const Translation& translation : translations()) translated.insert(translation.parameter);
+  EXPECT_EQ(declared, translated);
+}
+
+// Defaults of the dialog are those of the library, of the options that have no parameter too.
 TEST(FilterParameters, DefaultsAreTheLibrarys) {
-  const ReconstructionOptions expected;
+  const FilterRequest expected;
   for (const Filter filter : all_filters()) {
+    SCOPED_TRACE(filter_name(filter));
     const FilterRequest request = request_of(filter, default_values(filter));
-    const ReconstructionOptions& options = request.options;
-    EXPECT_FALSE(request.selected_only);
-    EXPECT_FALSE(request.fail_if_incomplete);
-    EXPECT_EQ(options.samples.neighbours, expected.samples.neighbours);
-    EXPECT_EQ(options.initial_mesh.start, expected.initial_mesh.start);
-    EXPECT_EQ(options.initial_mesh.voxel_size, expected.initial_mesh.voxel_size);
-    EXPECT_EQ(options.initial_mesh.level, expected.initial_mesh.level);
-    EXPECT_EQ(options.initial_mesh.min_component_samples,
-              expected.initial_mesh.min_component_samples);
-    EXPECT_EQ(options.initial_mesh.shrink_iterations, expected.initial_mesh.shrink_iterations);
-    EXPECT_EQ(options.initial_mesh.levels, expected.initial_mesh.levels);
-    EXPECT_EQ(options.initial_mesh.projection, expected.initial_mesh.projection);
-    EXPECT_EQ(options.initial_mesh.box_relaxation, expected.initial_mesh.box_relaxation);
-    EXPECT_EQ(options.control_mesh.target_vertices, expected.control_mesh.target_vertices);
-    EXPECT_EQ(options.parametric_surface.iterations, expected.parametric_surface.iterations);
-    EXPECT_EQ(options.parametric_surface.attraction, expected.parametric_surface.attraction);
-    EXPECT_EQ(options.complete_matching.openings, expected.complete_matching.openings);
-    EXPECT_EQ(options.edge_optimisation.crease_angle, expected.edge_optimisation.crease_angle);
-    EXPECT_EQ(options.edge_optimisation.least_gap, expected.edge_optimisation.least_gap);
-    EXPECT_EQ(options.report.count_self_intersections, expected.report.count_self_intersections);
-    EXPECT_EQ(options.stop_at_parametric_surface, expected.stop_at_parametric_surface);
-    EXPECT_EQ(options.keep_stages, expected.keep_stages);
-    EXPECT_EQ(options.threads, expected.threads);
+    for (const Translation& translation : translations())
+      EXPECT_EQ(translation.option(request), translation.option(expected)) << translation.parameter;
   }
 }
 
-TEST(FilterParameters, PaperMethodKeepsThePapersConstants) {
-  ParameterValues values = default_values(Filter::reconstruct);
-  values["Method"] = 1;
-  const ReconstructionOptions options = request_of(Filter::reconstruct, values).options;
-  const ReconstructionOptions paper = as_in_the_paper();
-  EXPECT_EQ(options.initial_mesh.start, paper.initial_mesh.start);
-  EXPECT_EQ(options.initial_mesh.projection, paper.initial_mesh.projection);
-  EXPECT_EQ(options.control_mesh.area_weighted, paper.control_mesh.area_weighted);
-  EXPECT_EQ(options.parametric_surface.target, paper.parametric_surface.target);
-  EXPECT_EQ(options.parametric_surface.attraction, paper.parametric_surface.attraction);
-  EXPECT_EQ(options.complete_matching.method, paper.complete_matching.method);
-  EXPECT_EQ(options.edge_optimisation.criterion, paper.edge_optimisation.criterion);
-  EXPECT_EQ(paper.edge_optimisation.crease_angle, 0.0);
-  EXPECT_EQ(paper.edge_optimisation.least_gap, 1.0);
-  ParameterValues of_edges = default_values(Filter::edge_optimisation);
-  of_edges["Method"] = 1;
-  EXPECT_EQ(request_of(Filter::edge_optimisation, of_edges).options.edge_optimisation.crease_angle,
-            0.0);
-  EXPECT_EQ(request_of(Filter::edge_optimisation, of_edges).options.edge_optimisation.least_gap,
-            1.0);
+TEST(FilterParameters, ValuesReachTheirOptionAndNoOther) {
+  for (const Filter filter : all_filters())
+    for (const Parameter& changed : parameters_of(filter))
+      for (const Translation& translation : translations_of(changed.name)) {
+        SCOPED_TRACE(std::string(filter_name(filter)) + " " + changed.name);
+        ParameterValues values = default_values(filter);
+        ASSERT_NE(values.at(changed.name), translation.value) << "the default shows nothing";
+        values[changed.name] = translation.value;
+        const FilterRequest request = request_of(filter, values);
+        EXPECT_DOUBLE_EQ(translation.option(request), translation.expected);
+        if (changed.name == "Method") continue;  // which has constants of its own
+        for (const Parameter& other : parameters_of(filter)) {
+          if (other.name == changed.name) continue;
+          for (const Translation& kept : translations_of(other.name))
+            EXPECT_EQ(kept.option(request), kept.option(FilterRequest())) << other.name;
+        }
+      }
 }
 
-TEST(FilterParameters, ValuesReachTheirOption) {
-  ParameterValues values = default_values(Filter::reconstruct);
-  values["StopAtParametricSurface"] = 1;
-  values["Openings"] = 1;
-  values["SelectedOnly"] = 1;
-  values["KeepStages"] = 1;
-  values["VoxelSize"] = 1.1;
-  values["Threads"] = 2;
-  const FilterRequest request = request_of(Filter::reconstruct, values);
-  EXPECT_TRUE(request.selected_only);
-  EXPECT_TRUE(request.options.stop_at_parametric_surface);
-  EXPECT_EQ(request.options.complete_matching.openings,
-            CompleteMatchingOptions::Openings::leave_open);
-  EXPECT_TRUE(request.options.keep_stages);
-  EXPECT_EQ(request.options.initial_mesh.voxel_size, 1.1);
-  EXPECT_EQ(request.options.threads, 2);
+// "-1: automatic" in a label is a value that a user may type.
+TEST(FilterParameters, ValuesNamedInLabelsAreAllowed) {
+  int named = 0;
+  for (const Filter filter : all_filters())
+    for (const Parameter& parameter : parameters_of(filter)) {
+      const std::string& label = parameter.label;
+      const std::size_t colon = label.find(':');
+      if (colon == std::string::npos) continue;
+      const std::size_t begin = label.find_last_of(" (", colon) + 1;
+      const std::string number = label.substr(begin, colon - begin);
+      ParameterValues values = default_values(filter);
+      EXPECT_EQ(label.find("below"), std::string::npos) << label << ": not every value below";
+      values[parameter.name] = std::stod(number);
+      EXPECT_NO_THROW(request_of(filter, values)) << label;
+      ++named;
+    }
+  EXPECT_GE(named, 8);
+}
 
-  ParameterValues of_surface = default_values(Filter::parametric_surface);
-  of_surface["Attraction"] = 0.5;
-  EXPECT_EQ(
-      request_of(Filter::parametric_surface, of_surface).options.parametric_surface.attraction,
-      0.5);
-  ParameterValues of_control = default_values(Filter::control_mesh);
-  of_control["ControlVertices"] = 500;
-  EXPECT_EQ(request_of(Filter::control_mesh, of_control).options.control_mesh.target_vertices, 500);
-  ParameterValues of_edges = default_values(Filter::edge_optimisation);
-  const auto crease_angle = [&] {
-    return request_of(Filter::edge_optimisation, of_edges).options.edge_optimisation.crease_angle;
-  };
-  of_edges["CreaseAngle"] = 45;
-  EXPECT_DOUBLE_EQ(crease_angle(), kPi / 4.0);
-  of_edges["CreaseAngle"] = 0;
-  EXPECT_EQ(crease_angle(), 0.0);
-  of_edges["LeastGap"] = 0;
-  EXPECT_EQ(request_of(Filter::edge_optimisation, of_edges).options.edge_optimisation.least_gap,
-            0.0);
+// An opening is where the surface is as far from the samples as this: twice as much from rim to
+// rim.
+TEST(FilterParameters, TheTooltipTellsHowWideOpeningsAre) {
+  ASSERT_EQ(2.0 * CompleteMatchingOptions().membrane_high, 8.0);
+  std::string tooltip;
+  for (const Parameter& parameter : parameters_of(Filter::reconstruct))
+    if (parameter.name == "Openings") tooltip = parameter.tooltip;
+  EXPECT_NE(tooltip.find("wider than about eight sample spacings"), std::string::npos) << tooltip;
 }
 
 // The host of 2020.09 folds nothing away: a row is some 31 pixels, and 16 are 500.
