@@ -114,6 +114,10 @@ QString base_name(const MeshModel& layer) {
   return base.isEmpty() ? layer.label() : base;
 }
 
+InvalidInput no_layer_for(const char* parameter) {
+  return InvalidInput("there is no layer for the parameter " + std::string(parameter));
+}
+
 // The layers that a dialog starts with: the current one where it fits, else the first or last of
 // its kind.
 template <class Layer>
@@ -235,10 +239,10 @@ FilterRun ShrinkWrapReconPlugin::run(int id, MeshDocument& document, const RichP
     if (samples != nullptr) where = "layer \"" + label_of(*samples) + "\": ";
     if (samples != nullptr && mesh != nullptr && mesh != samples)
       where = "layers \"" + label_of(*samples) + "\" and \"" + label_of(*mesh) + "\": ";
-    if (samples == nullptr)
+    if (samples == nullptr && (is_one_shot || layers_of(document).empty()))
       throw InvalidInput("there is no layer of samples: open a point cloud first");
-    if (needs_mesh(filter) && mesh == nullptr)
-      throw InvalidInput("there is no layer for the parameter " + std::string(kMeshLayer));
+    if (samples == nullptr) throw no_layer_for(kSamplesLayer);
+    if (needs_mesh(filter) && mesh == nullptr) throw no_layer_for(kMeshLayer);
     return {{}, run_on_layers(filter, document, list, *samples, mesh, callback)};
   } catch (const Cancelled&) {
     what = "cancelled: the document is as it was";

@@ -5,13 +5,12 @@
 // declared_parameters --python: the table of docs/pymeshlab.md, without any host.
 #include <QApplication>
 #include <QDomDocument>
-#include <QPluginLoader>
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
 #include <cstring>
 
-#include "host_api.h"
+#include "plugin_calls.h"
 #include "python_table.h"
 
 namespace {
@@ -98,12 +97,8 @@ int main(int argc, char** argv) {
     print_python_table();
     return 0;
   }
-  QPluginLoader loader(QString::fromLocal8Bit(argv[1]));
-  auto* plugin = qobject_cast<shrinkwrap::HostInterface*>(loader.instance());
-  if (plugin == nullptr) {
-    std::fprintf(stderr, "%s\n", qUtf8Printable(loader.errorString()));
-    return 1;
-  }
+  HostInterface* const plugin = load_plugin(QString::fromLocal8Bit(argv[1]));
+  if (plugin == nullptr) return 1;
   const bool as_script = argc > 2 && std::strcmp(argv[2], "--script") == 0;
   const bool as_file = argc > 3 && std::strcmp(argv[2], "--save") == 0;
 
@@ -121,12 +116,7 @@ int main(int argc, char** argv) {
     QDomElement filter = script.createElement("filter");
     filter.setAttribute("name", action->text());
     root.appendChild(filter);
-    RichParameterList list;
-#if SHRINKWRAP_MESHLAB_GENERATION == 2020
-    plugin->initParameterSet(action, document, list);
-#else
-    list = plugin->initParameterList(action, document);
-#endif
+    const RichParameterList list = parameter_list(*plugin, action, document);
     saved.add(action->text(), list);
     for (const RichParameter& parameter : list) {
       const QDomElement element = parameter.fillToXMLDocument(script, false);

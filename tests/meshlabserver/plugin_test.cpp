@@ -3,11 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <QApplication>
-#include <QPluginLoader>
 #include <cmath>
 
 #include "filter_runs.h"
-#include "host_api.h"
+#include "plugin_calls.h"
 #include "shapes.h"
 
 namespace {
@@ -17,37 +16,15 @@ using namespace shrinkwrap::testing;
 
 HostInterface* plugin = nullptr;
 
-HostAction action_of(Filter filter) {
-  for (QAction* action : plugin->actions())
-    if (action->text() == filter_name(filter)) return action;
-  return nullptr;
-}
-
 RichParameterList parameters_for(Filter filter, MeshDocument& document) {
-#if SHRINKWRAP_MESHLAB_GENERATION == 2020
-  RichParameterList list;
-  plugin->initParameterSet(action_of(filter), document, list);
-  return list;
-#else
-  return plugin->initParameterList(action_of(filter), document);
-#endif
+  return parameter_list(*plugin, action_of(*plugin, filter), document);
 }
 
 // Empty on success, else the error message.
 std::string apply(Filter filter, MeshDocument& document, const RichParameterList& list,
                   vcg::CallBackPos* callback = nullptr) {
-#if SHRINKWRAP_MESHLAB_GENERATION == 2020
-  if (plugin->applyFilter(action_of(filter), document, list, callback)) return "";
-  return plugin->errorMsg().toStdString();
-#else
-  try {
-    unsigned int mask = 0;
-    plugin->applyFilter(action_of(filter), list, document, mask, callback);
-    return "";
-  } catch (const MLException& error) {
-    return error.what();
-  }
-#endif
+  return shrinkwrap::testing::apply(*plugin, action_of(*plugin, filter), document, list, callback)
+      .error;
 }
 
 std::string apply(Filter filter, MeshDocument& document, vcg::CallBackPos* callback = nullptr) {
@@ -176,6 +153,27 @@ TEST(Plugin, FailureNamesTheLayerAndLeavesTheDocument) {
   EXPECT_NE(error.find("tiny.ply"), std::string::npos) << error;
   EXPECT_EQ(layer_count(document), 1u);
   EXPECT_EQ(document.mm(), cloud);
+}
+
+// A list without the parameter `name`: what the host makes of a layer that does not exist.
+RichParameterList without(const RichParameterList& list, const char* name) {
+  RichParameterList rest;
+  for (const RichParameter& parameter : list)
+    if (parameter.name() != name) rest.addParam(parameter);
+  return rest;
+}
+
+TEST(Plugin, ALayerThatIsNotThereIsToldByTheNameOfItsParameter) {
+  MeshDocument document;
+  add_cloud(document, ShapeKind::sphere, 500);
+  ASSERT_EQ(apply(Filter::reconstruct, document), "");
+  for (const char* name : {kSamplesLayer, kMeshLayer}) {
+    const RichParameterList list = without(parameters_for(Filter::matching_report, document), name);
+    const std::string error = apply(Filter::matching_report, document, list);
+    EXPECT_NE(error.find(std::string("no layer for the parameter ") + name), std::string::npos)
+        << error;
+    EXPECT_EQ(error.find("open a point cloud"), std::string::npos) << error;
+  }
 }
 
 TEST(Plugin, SelectedPointsOnly) {
@@ -337,11 +335,6 @@ int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);
   QApplication application(argc, argv);
   if (argc < 2) return 2;
-  QPluginLoader loader(QString::fromLocal8Bit(argv[1]));
-  plugin = qobject_cast<HostInterface*>(loader.instance());
-  if (plugin == nullptr) {
-    std::fprintf(stderr, "%s\n", qUtf8Printable(loader.errorString()));
-    return 1;
-  }
-  return RUN_ALL_TESTS();
+  plugin = load_plugin(QString::fromLocal8Bit(argv[1]));
+  return plugin == nullptr ? 1 : RUN_ALL_TESTS();
 }

@@ -9,7 +9,6 @@
 // in memory: two meshes are the same if their dumps are.
 #include <QApplication>
 #include <QDir>
-#include <QPluginLoader>
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -19,7 +18,7 @@
 #include <fstream>
 #include <set>
 
-#include "host_api.h"
+#include "plugin_calls.h"
 
 // After the host's own headers, which they need.
 #include <wrap/io_trimesh/import_ply.h>
@@ -38,6 +37,8 @@
 namespace {
 
 using shrinkwrap::HostInterface;
+using shrinkwrap::testing::Applied;
+using shrinkwrap::testing::parameter_list;
 using Values = std::map<std::string, QVariant>;
 using Position = std::array<MESHLAB_SCALAR, 3>;
 
@@ -86,22 +87,6 @@ void dump(const CMeshO& mesh, const char* file) {
 
 // --- calls ---
 
-QAction* action_of(HostInterface& plugin, shrinkwrap::Filter filter) {
-  for (QAction* action : plugin.actions())
-    if (action->text() == shrinkwrap::filter_name(filter)) return action;
-  fail(std::string("there is no filter ") + shrinkwrap::filter_name(filter));
-}
-
-RichParameterList defaults_of(HostInterface& plugin, QAction* action, MeshDocument& document) {
-#if SHRINKWRAP_MESHLAB_GENERATION == 2020
-  RichParameterList list;
-  plugin.initParameterSet(action, document, list);
-  return list;
-#else
-  return plugin.initParameterList(action, document);
-#endif
-}
-
 // Sets an argument by its Python name.
 void set_argument(RichParameterList& list, const char* name, const Value& value) {
   for (const RichParameter& parameter : list) {
@@ -120,28 +105,9 @@ bool go_on(const int, const char*) {
   return true;
 }
 
-struct Outcome {
-  std::string error;  // empty if the filter succeeded
-  Values values;
-};
-
-Outcome apply(HostInterface& plugin, QAction* action, MeshDocument& document,
+Applied apply(HostInterface& plugin, QAction* action, MeshDocument& document,
               const RichParameterList& list) {
-  Outcome outcome;
-#if SHRINKWRAP_MESHLAB_GENERATION == 2020
-  if (!plugin.applyFilter(action, document, list, go_on))
-    outcome.error = plugin.errorMsg().toStdString();
-#else
-  try {
-    unsigned int mask = MeshModel::MM_UNKNOWN;
-    if (document.mm() != nullptr) document.mm()->updateDataMask(plugin.getRequirements(action));
-    outcome.values = plugin.applyFilter(action, list, document, mask, go_on);
-  } catch (const MLException& error) {
-    outcome.error = error.what();
-    if (outcome.error.empty()) outcome.error = "(no reason given)";
-  }
-#endif
-  return outcome;
+  return shrinkwrap::testing::apply(plugin, action, document, list, go_on);
 }
 
 // --- reconstruct ---
@@ -156,8 +122,9 @@ void print_values(const char* title, const Values& values) {
 // Names and types as documented: a script may rely on them.
 void expect_documented(const Values& values) {
   if (!kHasResultMap) return;
-  for (const char* name : shrinkwrap::testing::kScriptFigures)
-    expect(values.count(name) == 1, std::string("a value ") + name);
+  for (const std::string& name :
+       shrinkwrap::testing::script_figures(shrinkwrap::Filter::reconstruct))
+    expect(values.count(name) == 1, "a value " + name);
   for (const auto& [name, value] : values) {
     const char* const type = shrinkwrap::testing::is_real_figure(name) ? "double" : "int";
     expect(std::strcmp(value.typeName(), type) == 0,
@@ -169,7 +136,7 @@ void expect_refused(HostInterface& plugin, QAction* action, MeshDocument& docume
                     const RichParameterList& list, const char* what, const char* word) {
   const std::size_t layers = shrinkwrap::layers_of(document).size();
   const MeshModel* const current = document.mm();
-  const Outcome outcome = apply(plugin, action, document, list);
+  const Applied outcome = apply(plugin, action, document, list);
   expect(!outcome.error.empty(), std::string(what) + " to be refused");
   expect(outcome.error.find(word) != std::string::npos,
          std::string(what) + " to be refused by name, not with: " + outcome.error);
@@ -179,7 +146,8 @@ void expect_refused(HostInterface& plugin, QAction* action, MeshDocument& docume
 }
 
 void reconstruct(HostInterface& plugin, const char* cloud, const char* file) {
-  QAction* const action = action_of(plugin, shrinkwrap::Filter::reconstruct);
+  QAction* const action = shrinkwrap::testing::action_of(plugin, shrinkwrap::Filter::reconstruct);
+  if (action == nullptr) fail("the plugin has no such filter");
   MeshDocument document;
   load(document, cloud);
   MeshModel* const samples = document.mm();
@@ -187,8 +155,8 @@ void reconstruct(HostInterface& plugin, const char* cloud, const char* file) {
     for (auto& vertex : samples->cm.vert) vertex.P() *= 1.0 + std::ldexp(1.0, -40);
   const std::set<Position> positions = positions_of(samples->cm);
 
-  RichParameterList list = defaults_of(plugin, action, document);
-  Outcome outcome = apply(plugin, action, document, list);
+  RichParameterList list = parameter_list(plugin, action, document);
+  Applied outcome = apply(plugin, action, document, list);
   if (!outcome.error.empty()) fail(outcome.error);
   print_values("with the defaults", outcome.values);
   expect_documented(outcome.values);
@@ -215,7 +183,7 @@ void reconstruct(HostInterface& plugin, const char* cloud, const char* file) {
   expect_refused(plugin, action, document, list, "a voxel size of -3", "VoxelSize");
   MeshDocument empty;
   empty.addNewMesh("", "empty", true);
-  expect_refused(plugin, action, empty, defaults_of(plugin, action, empty), "an empty layer",
+  expect_refused(plugin, action, empty, parameter_list(plugin, action, empty), "an empty layer",
                  "no points");
 }
 
@@ -261,9 +229,11 @@ HostFilter find_filter(const QString& python_name) {
   return {};
 }
 
-Outcome apply_with_defaults(const HostFilter& filter, MeshDocument& document) {
+Applied apply_with_defaults(const HostFilter& filter, MeshDocument& document) {
+  if (document.mm() != nullptr)
+    document.mm()->updateDataMask(filter.plugin->getRequirements(filter.action));
   return apply(*filter.plugin, filter.action, document,
-               filter.plugin->initParameterList(filter.action, document));
+               parameter_list(*filter.plugin, filter.action, document));
 }
 
 void run_builtin(const char* name, const char* cloud) {
@@ -280,7 +250,7 @@ void run_builtin(const char* name, const char* cloud) {
     apply_with_defaults(normals, document);
   }
   const auto begin = std::chrono::steady_clock::now();
-  const Outcome outcome = apply_with_defaults(filter, document);
+  const Applied outcome = apply_with_defaults(filter, document);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   const CMeshO& mesh = document.mm()->cm;
@@ -328,9 +298,8 @@ HostInterface* load_plugin(const QString& file) {
 
 HostInterface* load_plugin(const QString& file) {
   static_assert(!kHasResultMap, "another generation");
-  QPluginLoader loader(file);
-  auto* plugin = qobject_cast<HostInterface*>(loader.instance());
-  if (plugin == nullptr) fail(loader.errorString().toStdString());
+  HostInterface* const plugin = shrinkwrap::testing::load_plugin(file);
+  if (plugin == nullptr) fail("no plugin of filters");
   return plugin;
 }
 
