@@ -170,7 +170,9 @@ void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings
   if (report.voxels_are_larger)
     warnings.push_back("Voxels of " + formatted("%.3g", report.voxel_size) +
                        " median spacings were taken, larger than asked for: the samples are too "
-                       "unevenly spread for smaller ones, and the shape of the densest is lost.");
+                       "unevenly spread for smaller ones, and the shape of the densest is lost. Of "
+                       "parts far from each other, select one and reconstruct it (Selected points "
+                       "only), and delete points that lie far away.");
   if (report.false_handles > 0)
     warnings.push_back(count_of(report.false_handles, "handle") +
                        " cut that no samples bear out (bridges between close parts, or tunnels "
@@ -202,13 +204,16 @@ void tell_of_attempts(const Reconstruction& result, FilterOutcome& outcome) {
   const auto tell = [&](const SecondAttempt& attempt, const std::string& what) {
     if (!attempt.is_made) return;
     const MatchingFaults &first = attempt.first, &second = attempt.second;
+    const auto no_samples = [](const MatchingFaults& faults) {
+      return faults.extra_vertices + faults.cut_out;
+    };
     outcome.log.push_back(
         "Matched again because of " + count_of(first.meeting, "face") +
         " that met others until annealed, or still do, and " +
-        count_of(first.extra_vertices, "vertex that is no sample", "vertices that are no samples") +
-        ", " + what + ": " +
+        count_of(no_samples(first), "vertex that is no sample", "vertices that are no samples") +
+        " (some may have gone, with cuts), " + what + ": " +
         (attempt.is_finished
-             ? std::to_string(second.meeting) + " and " + std::to_string(second.extra_vertices) +
+             ? std::to_string(second.meeting) + " and " + std::to_string(no_samples(second)) +
                    " then, and " + (attempt.is_taken ? "taken" : "not taken")
              : "no mesh came of it"));
   };

@@ -22,12 +22,6 @@ namespace {
 using namespace shrinkwrap;
 using namespace shrinkwrap::testing;
 
-std::vector<Vec3> noisy(ShapeKind kind, Index count, unsigned seed, double noise) {
-  SampleDefects defects;
-  defects.noise = noise;
-  return sample_shape(kind, count, seed, defects);
-}
-
 PointCloud oriented(const std::vector<Vec3>& points, int neighbours = 16) {
   Progress silent;
   SampleOptions samples;
@@ -68,7 +62,7 @@ TEST(Denoising, MovesSamplesOntoTheSurface) {
     for (const double noise : {0.1, 0.5}) {
       const Shape shape = shape_of(kind);
       SCOPED_TRACE(shape.name + " " + std::to_string(noise));
-      const std::vector<Vec3> points = noisy(kind, 6000, 1, noise);
+      const std::vector<Vec3> points = sample_noisy_shape(kind, 6000, 1, noise);
       const PointCloud before = oriented(points), after = denoised(points);
       const double spacing = before.frame.to_input_length(before.spacing);
       const Errors was = errors_of(before, shape, spacing), is = errors_of(after, shape, spacing);
@@ -86,7 +80,7 @@ TEST(Denoising, LeavesDetailWhereItIs) {
   const double spacing = before.frame.to_input_length(before.spacing);
   EXPECT_LT(errors_of(after, box, spacing).size, 0.001) << "edges are not rounded without noise";
 
-  const std::vector<Vec3> rough = noisy(ShapeKind::box, 6000, 2, 0.25);
+  const std::vector<Vec3> rough = sample_noisy_shape(ShapeKind::box, 6000, 2, 0.25);
   DenoisingOptions careless;
   careless.misfit = 1e6;
   careless.alike = 1.0;
@@ -96,7 +90,7 @@ TEST(Denoising, LeavesDetailWhereItIs) {
 }
 
 TEST(Denoising, TellsWhoseTheSamplesAre) {
-  const std::vector<Vec3> points = noisy(ShapeKind::sphere, 3000, 3, 0.5);
+  const std::vector<Vec3> points = sample_noisy_shape(ShapeKind::sphere, 3000, 3, 0.5);
   const PointCloud cloud = denoised(points);
   ASSERT_TRUE(cloud.is_denoised());
   std::vector<Index> sorted = cloud.input_index, all(points.size());
@@ -113,7 +107,7 @@ TEST(Denoising, TellsWhoseTheSamplesAre) {
 }
 
 TEST(Denoising, IsUndone) {
-  const std::vector<Vec3> points = noisy(ShapeKind::torus, 3000, 8, 0.5);
+  const std::vector<Vec3> points = sample_noisy_shape(ShapeKind::torus, 3000, 8, 0.5);
   const PointCloud before = oriented(points), moved = denoised(points);
   PointCloud cloud = moved;
   Progress silent;
@@ -149,7 +143,7 @@ TEST(Denoising, ASheetStaysASheet) {
 }
 
 TEST(Denoising, TellsHowFarTheSamplesWent) {
-  const std::vector<Vec3> points = noisy(ShapeKind::sphere, 3000, 3, 0.5);
+  const std::vector<Vec3> points = sample_noisy_shape(ShapeKind::sphere, 3000, 3, 0.5);
   Progress silent;
   PointCloud cloud = oriented(points);
   const double spacing = cloud.frame.to_input_length(cloud.spacing);
@@ -170,7 +164,7 @@ TEST(Denoising, TellsHowFarTheSamplesWent) {
 }
 
 TEST(Denoising, CancelledLeavesTheCloudAsItWas) {
-  const PointCloud before = oriented(noisy(ShapeKind::blob, 12000, 8, 0.3));
+  const PointCloud before = oriented(sample_noisy_shape(ShapeKind::blob, 12000, 8, 0.3));
   int cancelled = 0;
   for (const double from : {0.0, 0.3, 0.6, 0.8, 0.9}) {
     PointCloud cloud = before;
@@ -194,7 +188,7 @@ TEST(Denoising, CancelledLeavesTheCloudAsItWas) {
 }
 
 TEST(Denoising, HasAShareOfItsOwnInTheProgress) {
-  const std::vector<Vec3> points = noisy(ShapeKind::torus, 8000, 9, 0.6);
+  const std::vector<Vec3> points = sample_noisy_shape(ShapeKind::torus, 8000, 9, 0.6);
   ReconstructionOptions options;
   options.stop_at_parametric_surface = true;
   std::vector<double> fractions;
@@ -213,7 +207,7 @@ TEST(Denoising, HasAShareOfItsOwnInTheProgress) {
 }
 
 TEST(Denoising, ThreadsDoNotMatter) {
-  const std::vector<Vec3> points = noisy(ShapeKind::double_torus, 5000, 4, 0.4);
+  const std::vector<Vec3> points = sample_noisy_shape(ShapeKind::double_torus, 5000, 4, 0.4);
   const auto with_threads = [&](int threads) {
     return tbb::task_arena(threads).execute([&] { return denoised(points); });
   };
@@ -303,7 +297,7 @@ TEST(Denoising, FewSamplesStayWhereTheyAre) {
 
 // Their spacing is zero in single precision.
 TEST(Denoising, SamplesMayBeAsNearAsDoublesCanBe) {
-  std::vector<Vec3> points = noisy(ShapeKind::sphere, 500, 11, 0.3);
+  std::vector<Vec3> points = sample_noisy_shape(ShapeKind::sphere, 500, 11, 0.3);
   for (int i = 0; i < 400; ++i) points.emplace_back(i * 1e-70, (i % 7) * 1e-70, (i % 3) * 1e-70);
   const PointCloud cloud = denoised(points);
   for (const Vec3& p : cloud.position) EXPECT_TRUE(p.allFinite());
@@ -326,7 +320,7 @@ TEST(Denoising, IsForSurfacesAtWhichRunsStop) {
     for (const double noise : {0.0, 0.12}) {
       const Shape shape = shape_of(kind);
       SCOPED_TRACE(shape.name + " " + std::to_string(noise));
-      const std::vector<Vec3> points = noisy(kind, 3000, 7, noise);
+      const std::vector<Vec3> points = sample_noisy_shape(kind, 3000, 7, noise);
       ReconstructionOptions surface, never;
       never.denoising.from = 1e6;
       EXPECT_EQ(reconstruct_with(points, surface).mesh.triangles,

@@ -19,23 +19,17 @@ double noise_of(const std::vector<Vec3>& points) {
   return estimate_noise(oriented_cloud(points), {}, silent).median;
 }
 
-std::vector<Vec3> noisy(ShapeKind kind, Index count, unsigned seed, double noise) {
-  SampleDefects defects;
-  defects.noise = noise;
-  return sample_shape(kind, count, seed, defects);
-}
-
 TEST(Noise, IsAboutRightUpToHalfASpacing) {
   for (const ShapeKind kind : {ShapeKind::sphere, ShapeKind::blob, ShapeKind::double_torus})
     for (const double noise : {0.1, 0.25, 0.5}) {
       SCOPED_TRACE(shape_of(kind).name + " " + std::to_string(noise));
-      EXPECT_NEAR(noise_of(noisy(kind, 5000, 1, noise)), noise, 0.15 * noise);
+      EXPECT_NEAR(noise_of(sample_noisy_shape(kind, 5000, 1, noise)), noise, 0.15 * noise);
     }
 }
 
 TEST(Noise, GrowsBeyondThat) {
-  const double half = noise_of(noisy(ShapeKind::torus, 5000, 2, 0.5));
-  const double one = noise_of(noisy(ShapeKind::torus, 5000, 2, 1.0));
+  const double half = noise_of(sample_noisy_shape(ShapeKind::torus, 5000, 2, 0.5));
+  const double one = noise_of(sample_noisy_shape(ShapeKind::torus, 5000, 2, 1.0));
   EXPECT_GT(one, half + 0.2);
   EXPECT_GT(one, 0.75) << "neighbourhoods of 16 alone give 0.65";
 }
@@ -49,7 +43,7 @@ TEST(Noise, CleanCloudsAreNotCalledNoisy) {
 }
 
 TEST(Noise, FewNeighboursTellOfItToo) {
-  const std::vector<Vec3> points = noisy(ShapeKind::sphere, 5000, 5, 0.25);
+  const std::vector<Vec3> points = sample_noisy_shape(ShapeKind::sphere, 5000, 5, 0.25);
   for (const int neighbours : {9, 10, 11, 13, 14, 16}) {
     SCOPED_TRACE(neighbours);
     Progress silent;
@@ -100,7 +94,7 @@ TEST(Noise, TwoSidesOfAThinWallAreNotNoise) {
 }
 
 TEST(Noise, ScaleAndThreadsDoNotMatter) {
-  std::vector<Vec3> points = noisy(ShapeKind::blob, 6000, 6, 0.3);
+  std::vector<Vec3> points = sample_noisy_shape(ShapeKind::blob, 6000, 6, 0.3);
   const PointCloud cloud = oriented_cloud(points);
   const auto with_threads = [&](int threads) {
     return tbb::task_arena(threads).execute([&] {
@@ -116,7 +110,7 @@ TEST(Noise, ScaleAndThreadsDoNotMatter) {
 // What only smooths over is not asked of it: the surface must also be nearer to the truth.
 TEST(Noise, TheParametricSurfaceOfANoisyCloudIsSmoothedForIt) {
   const ShapeKind kind = ShapeKind::torus;
-  const std::vector<Vec3> points = noisy(kind, 5000, 7, 1.0);
+  const std::vector<Vec3> points = sample_noisy_shape(kind, 5000, 7, 1.0);
   ReconstructionOptions options;
   options.stop_at_parametric_surface = true;
   const auto surface_with = [&](const ReconstructionOptions& chosen) {
@@ -148,7 +142,7 @@ TEST(Noise, TheMatchingOfANoisyCloudHasTheTopologyOfTheObject) {
       options.initial_mesh.false_handles.enabled = false;
     }
     Progress silent;
-    return reconstruct(noisy(kind, 5000, seed, 1.0), options, silent).report;
+    return reconstruct(sample_noisy_shape(kind, 5000, seed, 1.0), options, silent).report;
   };
   int wrong = 0;
   for (const ShapeKind kind : {ShapeKind::torus, ShapeKind::double_torus, ShapeKind::blob}) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bounding_box_start.h"
+#include "cleaned_cloud.h"
 #include "reconstruct.h"
 #include "shapes.h"
 
@@ -19,16 +20,9 @@ const std::vector<Vec3> kAlone = {
     {0.25, 4 * kCell, 0.0}, {0.75, 4 * kCell, 0.0}, {1.0, 0.25, 4 * kCell}, {1.0, 0.75, 4 * kCell}};
 const Index kAloneCount = static_cast<Index>(kAlone.size());
 
-struct Cleaned {
-  PointCloud cloud;
-  OutlierReport report;
-};
-
-Cleaned cleaned(const std::vector<Vec3>& points) {
+Cleaned cleaned_and_oriented(const std::vector<Vec3>& points) {
   Progress silent;
-  Cleaned result;
-  result.cloud = prepare_samples(points, {}, silent);
-  result.report = exclude_outliers(result.cloud, points, {}, silent);
+  Cleaned result = cleaned(points);
   orient_normals(result.cloud, {}, silent);
   return result;
 }
@@ -111,7 +105,7 @@ TEST(OutliersOnSurface, TheCloudIsThatOfAllTheSamples) {
   const std::vector<Vec3> points = cube_with_gaps(kAlone);
   Progress silent;
   const PointCloud whole = prepare_samples(points, {}, silent);
-  Cleaned some = cleaned(points);
+  Cleaned some = cleaned_and_oriented(points);
   ASSERT_EQ(some.cloud.size(), whole.size() - kAloneCount);
   some.cloud.closedness = 0.25;
   EXPECT_EQ(keep_outliers_on_surface(some.cloud, some.report, points,
@@ -125,7 +119,7 @@ TEST(OutliersOnSurface, TheCloudIsThatOfAllTheSamples) {
   EXPECT_EQ(some.cloud.spacing, whole.spacing);
   EXPECT_EQ(some.cloud.closedness, 0.25);
   ASSERT_EQ(some.cloud.plane.size(), whole.position.size());
-  const PointCloud others = cleaned(points).cloud;
+  const PointCloud others = cleaned_and_oriented(points).cloud;
   Index other = 0;
   for (Index i = 0; i < whole.size(); ++i) {
     const Index input = whole.input_index[i];
@@ -140,7 +134,7 @@ TEST(OutliersOnSurface, TheCloudIsThatOfAllTheSamples) {
 TEST(OutliersOnSurface, VerticesOfAMeshAreSamples) {
   const std::vector<Vec3> points = cube_with_gaps(kAlone);
   Progress silent;
-  Cleaned some = cleaned(points);
+  Cleaned some = cleaned_and_oriented(points);
   const double nan = std::nan("");
   const std::vector<Vec3> vertices = {{nan, nan, nan}, points[100],     points[2],
                                       {0.5, 0.5, 0.5}, {nan, 0.0, 0.0}, points[0]};
@@ -161,7 +155,7 @@ TEST(OutliersOnSurface, ThreadsDoNotMatter) {
 
 TEST(OutliersOnSurface, ACancelledRunLosesNothing) {
   const std::vector<Vec3> points = cube_with_gaps(kAlone);
-  Cleaned some = cleaned(points);
+  Cleaned some = cleaned_and_oriented(points);
   const std::vector<Vec3> position = some.cloud.position;
   Progress cancelled([](double, const char*) { return false; }, {Stage::complete_matching});
   EXPECT_THROW(cancelled.begin(Stage::complete_matching), Cancelled);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cleaned_cloud.h"
 #include "reconstruct.h"
 #include "shapes.h"
 
@@ -13,19 +14,6 @@ namespace {
 
 using namespace shrinkwrap;
 using namespace shrinkwrap::testing;
-
-struct Cleaned {
-  PointCloud cloud;
-  OutlierReport report;
-};
-
-Cleaned cleaned(const std::vector<Vec3>& points, const OutlierOptions& options = {}) {
-  Progress silent;
-  Cleaned result;
-  result.cloud = prepare_samples(points, {}, silent);
-  result.report = exclude_outliers(result.cloud, points, options, silent);
-  return result;
-}
 
 std::size_t found_in(const std::vector<Vec3>& points) {
   return cleaned(points).report.input_index.size();

@@ -14,12 +14,6 @@
 namespace shrinkwrap::testing {
 namespace {
 
-// A mesh of the shape's own frame, in that of the samples.
-SurfaceMesh in_frame(SurfaceMesh mesh, const Frame& frame) {
-  for (Vec3& p : mesh.position) p = frame.to_unit(p);
-  return mesh;
-}
-
 TEST(LoopWeights, KnownValues) {
   EXPECT_DOUBLE_EQ(loop_beta(3), 3.0 / 16.0);
   EXPECT_NEAR(loop_beta(6), 1.0 / 16.0, 1e-15);

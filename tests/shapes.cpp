@@ -12,16 +12,6 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kTorusMajor = 0.75, kTorusMinor = 0.25;
 
-// Square roots are exact to the last bit everywhere; std::hypot is not.
-double length_of(double x, double y) {
-  return std::sqrt(x * x + y * y);
-}
-
-double box_distance(const Vec3& p, const Vec3& half_extent) {
-  const Vec3 q = p.cwiseAbs() - half_extent;
-  return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
-}
-
 double torus_distance(const Vec3& p, double major, double minor) {
   return length_of(length_of(p.x(), p.y()) - major, p.z()) - minor;
 }
@@ -154,6 +144,15 @@ std::vector<Vec3> with_defects(ImplicitSamples samples, double radius, const Sam
 }
 
 }  // namespace
+
+double length_of(double x, double y) {
+  return std::sqrt(x * x + y * y);
+}
+
+double box_distance(const Vec3& p, const Vec3& half_extent) {
+  const Vec3 q = p.cwiseAbs() - half_extent;
+  return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
+}
 
 Index Random::below(Index count) {
   return std::min(static_cast<Index>(uniform() * static_cast<double>(count)), count - 1);
@@ -323,6 +322,12 @@ std::vector<Vec3> sample_shape(ShapeKind kind, Index count, unsigned seed,
   return with_defects(std::move(samples), shape.radius, defects, random);
 }
 
+std::vector<Vec3> sample_noisy_shape(ShapeKind kind, Index count, unsigned seed, double noise) {
+  SampleDefects defects;
+  defects.noise = noise;
+  return sample_shape(kind, count, seed, defects);
+}
+
 std::vector<Vec3> sample_shape_blue_noise(ShapeKind kind, Index count, unsigned seed,
                                           const SampleDefects& defects) {
   const Shape shape = shape_of(kind);
@@ -473,6 +478,11 @@ SurfaceMesh crossing_spheres(int subdivisions) {
       triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   }
   return SurfaceMesh::from_triangles(positions, triangles);
+}
+
+SurfaceMesh in_frame(SurfaceMesh mesh, const Frame& frame) {
+  for (Vec3& p : mesh.position) p = frame.to_unit(p);
+  return mesh;
 }
 
 SurfaceMesh torus_mesh(int major_segments, int minor_segments) {

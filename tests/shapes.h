@@ -32,6 +32,11 @@ class Random {
 /// its absolute value.
 using ImplicitFunction = std::function<double(const Vec3&)>;
 
+/// Square roots are exact to the last bit everywhere; std::hypot is not.
+double length_of(double x, double y);
+/// Signed distance from a box about the origin.
+double box_distance(const Vec3& p, const Vec3& half_extent);
+
 /// Unit gradient at a point of the surface, by central differences.
 Vec3 outward_normal(const ImplicitFunction& implicit, const Vec3& p);
 
@@ -101,6 +106,8 @@ struct SampleDefects {
 /// `count` samples of a shape, uniform by area, in random order; the same for the same seed.
 std::vector<Vec3> sample_shape(ShapeKind kind, Index count, unsigned seed,
                                const SampleDefects& defects = {});
+/// Without outliers and not turned.
+std::vector<Vec3> sample_noisy_shape(ShapeKind kind, Index count, unsigned seed, double noise);
 /// As sample_shape, evenly spread.
 std::vector<Vec3> sample_shape_blue_noise(ShapeKind kind, Index count, unsigned seed,
                                           const SampleDefects& defects = {});
@@ -129,6 +136,8 @@ std::vector<Vec3> sample_spiked_ball(Index count, double finer = 10.0);
 SurfaceMesh icosphere(int subdivisions);
 /// Two of them of which one cuts the other.
 SurfaceMesh crossing_spheres(int subdivisions);
+/// A mesh of the frame of the input in that of the samples.
+SurfaceMesh in_frame(SurfaceMesh mesh, const Frame& frame);
 /// The torus of `ShapeKind::torus` (radii 0.75 and 0.25, axis z), major x minor vertices. Pre: both
 /// at least 3.
 SurfaceMesh torus_mesh(int major_segments, int minor_segments);

@@ -25,13 +25,6 @@ CompleteMatching match(SurfaceMesh surface, const PointCloud& samples) {
   return snap_and_insert(std::move(surface), samples, {}, silent);
 }
 
-// A mesh in the frame of the input moved to that of the samples.
-SurfaceMesh in_frame(SurfaceMesh mesh, const Frame& frame) {
-  for (Vec3& p : mesh.position) p = frame.to_unit(p);
-  mesh.compact();
-  return mesh;
-}
-
 SurfaceMesh box_start(const PointCloud& samples, int levels = -1) {
   Progress silent;
   InitialMeshOptions options;

@@ -12,7 +12,7 @@ namespace shrinkwrap::robustness {
 namespace {
 
 constexpr std::size_t kNamesKept = 5;
-constexpr double kSecondsAtMost = 4.0, kSecondsPerPointAtMost = 4e-4;
+constexpr double kSeconds = 4.0, kSecondsPerPoint = 4e-4;  // of which the time limit is a multiple
 
 // The outcome of one run: a mesh, or how it was refused.
 struct Outcome {
@@ -139,16 +139,16 @@ Severity severity_of(Verdict verdict) {
 }
 
 Attempt attempt(const std::vector<Vec3>& points, ReconstructionOptions options,
-                const Expectation& expectation, bool compare_threads) {
+                const Expectation& expectation, const Checks& checks) {
   Attempt made;
   const double before = benchmarking::processor_seconds();
-  if (compare_threads) options.threads = 1;
+  if (checks.compare_threads) options.threads = 1;
   const Outcome outcome = run(points, options, expectation.resolved);
   const double seconds = benchmarking::processor_seconds() - before;
   made.figures.add("processor_seconds", seconds);
-  if (seconds > kSecondsAtMost + kSecondsPerPointAtMost * static_cast<double>(points.size()))
-    made.verdicts.push_back(Verdict::too_slow);
-  if (compare_threads) {
+  const double usual = kSeconds + kSecondsPerPoint * static_cast<double>(points.size());
+  if (seconds > checks.time_limit * usual) made.verdicts.push_back(Verdict::too_slow);
+  if (checks.compare_threads) {
     options.threads = 2;
     if (!same(outcome, run(points, options, expectation.resolved)))
       made.verdicts.push_back(Verdict::nondeterministic);

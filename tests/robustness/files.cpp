@@ -292,7 +292,8 @@ bool adapters_agree(Mesh& cloud, const std::vector<Vec3>& points) {
 
 // Some damaged files make vcglib's importers overrun their arrays, which shows only later: they
 // work in a process of their own.
-void run(const File& file, int threads, const ChildLimits& limits, const Say& say) {
+void run(const File& file, const JobOptions& job_options, const ChildLimits& limits,
+         const Say& say) {
   const TemporaryPath written("." + file.extension), whole(".whole.ply");
   std::ofstream(written.name(), std::ios::binary) << file.content;
   ChildProcess reader(
@@ -309,10 +310,10 @@ void run(const File& file, int threads, const ChildLimits& limits, const Say& sa
   if (std::filesystem::exists(whole.name()) && Importer::Open(cloud, whole.name().c_str()) == 0) {
     const std::vector<Vec3> points = points_from_vcg(cloud).points;
     ReconstructionOptions options;
-    options.threads = threads;
+    options.threads = job_options.threads;
     Expectation expectation;
     expectation.resolved = file.damages == 0 && file.points >= 100 && file.extension != "stl";
-    made = attempt(points, options, expectation, false);
+    made = attempt(points, options, expectation, {false, job_options.time_limit});
     if (!adapters_agree(cloud, points)) made.verdicts.push_back(Verdict::unexpected_exception);
     made.figures.add("points", points.size());
   }
@@ -322,16 +323,16 @@ void run(const File& file, int threads, const ChildLimits& limits, const Say& sa
 
 }  // namespace
 
-Job file_job(std::uint64_t number, int threads, bool with_input) {
+Job file_job(std::uint64_t number, const JobOptions& options) {
   Job job;
   const File file = make_file(number);
   job.description.add("extension", file.extension)
       .add("points_written", file.points)
       .add("damages", file.damages);
-  if (with_input) job.file = file.content;
+  if (options.with_input) job.file = file.content;
   job.limits.memory_bytes = std::uint64_t{2} << 30;
-  job.work = [file, threads, limits = job.limits](const Say& say) {
-    run(file, threads, limits, say);
+  job.work = [file, options, limits = job.limits](const Say& say) {
+    run(file, options, limits, say);
   };
   return job;
 }

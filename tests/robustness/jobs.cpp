@@ -37,18 +37,19 @@ std::array<GalleryVariant, 6> gallery_variants() {
            {"stop_and_leave_open", open_surface, false}}};
 }
 
-Job cloud_job(std::uint64_t number, int threads, bool with_input) {
+Job cloud_job(std::uint64_t number, const JobOptions& job_options) {
   Job job;
   const Case generated = case_of(number);
   job.description = describe(generated);
-  if (with_input) job.points = cloud_of(generated).points;
-  job.work = [generated, threads](const Say& say) {
+  if (job_options.with_input) job.points = cloud_of(generated).points;
+  job.work = [generated, job_options](const Say& say) {
     const CaseCloud cloud = cloud_of(generated);
     ReconstructionOptions options = options_of(generated);
-    options.threads = threads;
+    options.threads = job_options.threads;
     const bool compare_threads =
         generated.number % kCompareThreadsEvery == kCompareThreadsEvery - 1;
-    Attempt made = attempt(cloud.points, options, cloud.expectation, compare_threads);
+    Attempt made = attempt(cloud.points, options, cloud.expectation,
+                           {compare_threads, job_options.time_limit});
     made.figures.add("points", cloud.points.size())
         .add("resolved", cloud.expectation.resolved)
         .add("open", cloud.expectation.open)
@@ -60,7 +61,7 @@ Job cloud_job(std::uint64_t number, int threads, bool with_input) {
   return job;
 }
 
-Job gallery_job(std::uint64_t number, bool with_input) {
+Job gallery_job(std::uint64_t number, const JobOptions& job_options) {
   Job job;
   const auto variants = gallery_variants();
   const std::uint64_t index = number % kNumbersPerSeed;
@@ -75,9 +76,10 @@ Job gallery_job(std::uint64_t number, bool with_input) {
       .add("variant", variant.name)
       .add("points", exhibit.points.size())
       .add("resolved", exhibit.expectation.resolved);
-  if (with_input) job.points = exhibit.points;
-  job.work = [exhibit, options = variant.options](const Say& say) {
-    say(to_message(attempt(exhibit.points, options, exhibit.expectation, true)));
+  if (job_options.with_input) job.points = exhibit.points;
+  const Checks checks = {true, job_options.time_limit};
+  job.work = [exhibit, options = variant.options, checks](const Say& say) {
+    say(to_message(attempt(exhibit.points, options, exhibit.expectation, checks)));
   };
   return job;
 }
@@ -89,14 +91,14 @@ std::uint64_t most_jobs(const std::string& kind) {
   return kNumbersPerSeed;
 }
 
-Job make_job(const std::string& kind, std::uint64_t number, int threads, bool with_input) {
+Job make_job(const std::string& kind, std::uint64_t number, const JobOptions& options) {
   Job job;
   if (kind == "clouds")
-    job = cloud_job(number, threads, with_input);
+    job = cloud_job(number, options);
   else if (kind == "gallery")
-    job = gallery_job(number, with_input);
+    job = gallery_job(number, options);
   else if (kind == "files")
-    job = file_job(number, threads, with_input);
+    job = file_job(number, options);
   else
     throw std::invalid_argument("there are no jobs called '" + kind + "'");
   job.name = kind + ":" + std::to_string(number);
@@ -104,11 +106,11 @@ Job make_job(const std::string& kind, std::uint64_t number, int threads, bool wi
   return job;
 }
 
-Job make_job(const std::string& name, int threads, bool with_input) {
+Job make_job(const std::string& name, const JobOptions& options) {
   const std::size_t colon = name.find(':');
   if (colon == std::string::npos)
     throw std::invalid_argument("'" + name + "' is no job: one is called 'clouds:1000003'");
-  return make_job(name.substr(0, colon), std::stoull(name.substr(colon + 1)), threads, with_input);
+  return make_job(name.substr(0, colon), std::stoull(name.substr(colon + 1)), options);
 }
 
 std::string message_of(const ChildOutcome& outcome) {

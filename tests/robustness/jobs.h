@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -23,17 +24,24 @@ struct Job {
   std::string file;          ///< its content, if they do
 };
 
+/// What is the same for all jobs of a run.
+struct JobOptions {
+  int threads = 1;                                              ///< as in ReconstructionOptions
+  double time_limit = std::numeric_limits<double>::infinity();  ///< as in Checks
+  bool with_input = false;                                      ///< keep points or file
+};
+
 /// Numbers of the jobs of one seed are this far apart.
 constexpr std::uint64_t kNumbersPerSeed = 1000000;
 
 /// How many jobs of a kind one seed has: as many as wanted, but for the gallery.
 std::uint64_t most_jobs(const std::string& kind);
 
-/// `kind` is "clouds", "gallery" or "files". `threads` as in ReconstructionOptions.
+/// `kind` is "clouds", "gallery" or "files".
 /// Throws std::invalid_argument if there is no such job.
-Job make_job(const std::string& kind, std::uint64_t number, int threads, bool with_input = false);
+Job make_job(const std::string& kind, std::uint64_t number, const JobOptions& options);
 /// By name.
-Job make_job(const std::string& name, int threads, bool with_input = false);
+Job make_job(const std::string& name, const JobOptions& options);
 
 /// What a child that ended has to say: its message, or the verdict that it could not say itself.
 std::string message_of(const ChildOutcome& outcome);

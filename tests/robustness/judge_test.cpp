@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <utility>
+
+#include "attempt.h"
+#include "shapes.h"
 
 namespace shrinkwrap::robustness {
 namespace {
@@ -69,6 +73,21 @@ TEST(Judge, AComponentAsThinAsRoundingHasNoSide) {
     EXPECT_TRUE(bounds_a_volume(mesh_of({brick, thin}, 1.0, Vec3::Zero())));
     EXPECT_EQ(bounds_a_volume(mesh_of({brick, plate}, 1.0, Vec3::Zero())), !is_inside_out);
   }
+}
+
+// On a slow machine time is no promise.
+TEST(Attempt, IsTooSlowOnlyByTheLimitAskedFor) {
+  const std::vector<Vec3> points = testing::sample_shape(testing::ShapeKind::sphere, 500, 1);
+  const auto is_too_slow = [&](const Checks& checks) {
+    const Attempt made = attempt(points, {}, {}, checks);
+    return std::count(made.verdicts.begin(), made.verdicts.end(), Verdict::too_slow) > 0;
+  };
+  Checks checks;
+  EXPECT_FALSE(is_too_slow(checks));
+  checks.time_limit = 100.0;
+  EXPECT_FALSE(is_too_slow(checks));
+  checks.time_limit = 1e-6;
+  EXPECT_TRUE(is_too_slow(checks));
 }
 
 }  // namespace

@@ -1,10 +1,11 @@
 // robustness [clouds N] [gallery N] [files N] [--seed S] [--jobs J] [--threads T]
-//            [--seconds S] [--log FILE.jsonl]
+//            [--seconds S] [--time-limit TIMES] [--log FILE.jsonl]
 // robustness --case NAME [--write FILE]
 //
 // Reconstructs clouds, each in a process of its own, and tells what went wrong. Names of cases say
 // everything about them, so that any of them can be run again by itself. Leaves with 1 if a promise
 // was broken or a resolved cloud came out wrong; what nobody could promise is counted and listed.
+// Time is a promise only with a limit, as which 1 suits a machine of today.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -31,7 +32,7 @@ struct Arguments {
   std::uint64_t seed = 1;
   double seconds = std::numeric_limits<double>::infinity();
   int jobs = 1;
-  int threads = 1;
+  JobOptions options;
   std::string single_case, log, cloud_file;
 };
 
@@ -64,7 +65,7 @@ class Sweep {
       while (static_cast<int>(running.size()) < arguments_.jobs && started < count &&
              watch_.seconds() < arguments_.seconds)
         running.emplace_back(
-            make_job(kind, arguments_.seed * kNumbersPerSeed + started++, arguments_.threads));
+            make_job(kind, arguments_.seed * kNumbersPerSeed + started++, arguments_.options));
       if (running.empty()) return;
       running.remove_if([&](Running& entry) {
         if (!entry.child->has_ended()) return false;
@@ -108,7 +109,9 @@ int run(const Arguments& arguments) {
   Sweep sweep(arguments);
   if (!arguments.single_case.empty()) {
     const bool write = !arguments.cloud_file.empty();
-    const Job job = make_job(arguments.single_case, arguments.threads, write);
+    JobOptions options = arguments.options;
+    options.with_input = write;
+    const Job job = make_job(arguments.single_case, options);
     if (write && job.file.empty())
       benchmarking::write_ply(arguments.cloud_file, job.points, true);
     else if (write)
@@ -134,7 +137,9 @@ bool parse(int argc, char** argv, Arguments& arguments) {
     else if (name == "--jobs")
       arguments.jobs = std::max(1, std::stoi(value));
     else if (name == "--threads")
-      arguments.threads = std::stoi(value);
+      arguments.options.threads = std::stoi(value);
+    else if (name == "--time-limit")
+      arguments.options.time_limit = std::stod(value);
     else if (name == "--log")
       arguments.log = value;
     else if (name == "--write")
@@ -159,7 +164,7 @@ int main(int argc, char** argv) {
   }
   std::fprintf(stderr,
                "usage: robustness [clouds N] [gallery N] [files N] [--seed S] [--jobs J] "
-               "[--threads T] [--seconds S] [--log FILE.jsonl]\n"
+               "[--threads T] [--seconds S] [--time-limit TIMES] [--log FILE.jsonl]\n"
                "       robustness --case NAME [--write FILE]   (NAME as clouds:1000003)\n");
   return 2;
 }

@@ -17,4 +17,4 @@ require_packages $host_packages $test_packages
 configure "$build" -DSHRINKWRAP_BUILD_TESTS=ON
 compile "$build" robustness
 exec "$build/tests/robustness/robustness" clouds "$count" files $((count / 5)) gallery 1000000 --seed "$seed" \
-  --jobs "$(nproc)" --log "$build/robustness_$seed.jsonl"
+  --jobs "$(nproc)" --time-limit 1 --log "$build/robustness_$seed.jsonl"

@@ -6,16 +6,9 @@
 namespace shrinkwrap::robustness {
 namespace {
 
+using testing::box_distance;
+using testing::length_of;
 using testing::ShapeKind;
-
-double length_of(double x, double y) {
-  return std::sqrt(x * x + y * y);
-}
-
-double box_distance(const Vec3& p, const Vec3& half_extent) {
-  const Vec3 q = p.cwiseAbs() - half_extent;
-  return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
-}
 
 // Outside and inside of two surfaces of revolution meet at sharp edges.
 double pipe_distance(const Vec3& p, double middle, double half_wall, double half_length) {

@@ -1,0 +1,24 @@
+// A cloud without its outliers, and what they were.
+#pragma once
+
+#include <vector>
+
+#include "outliers.h"
+#include "point_cloud.h"
+
+namespace shrinkwrap::testing {
+
+struct Cleaned {
+  PointCloud cloud;
+  OutlierReport report;
+};
+
+inline Cleaned cleaned(const std::vector<Vec3>& points, const OutlierOptions& options = {}) {
+  Progress silent;
+  Cleaned result;
+  result.cloud = prepare_samples(points, {}, silent);
+  result.report = exclude_outliers(result.cloud, points, options, silent);
+  return result;
+}
+
+}  // namespace shrinkwrap::testing
