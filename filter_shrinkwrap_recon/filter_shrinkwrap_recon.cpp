@@ -22,43 +22,36 @@ constexpr bool kHostIsSinglePrecision = sizeof(MESHLAB_SCALAR) == sizeof(float);
 constexpr int kCarriedData =
     MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTRADIUS;
 
-const char* const kReference =
-    "<br><br>See:<br><b>\"Complete 3D Surface Reconstruction from Unstructured Point Cloud\"</b> ";
-
 // The section of the paper, and whose methods it builds on.
 QString reference(const char* section, std::initializer_list<const char*> methods = {}) {
-  QString text = QString(kReference) + section;
+  QString text =
+      QString(
+          "<br>See: <b>\"Complete 3D Surface Reconstruction from Unstructured Point Cloud\"</b> ") +
+      section;
   for (const char* method : methods) text += QString("<br>") + method;
   return text;
 }
 
 const char* const kShrinkWrapping =
-    "<i>L. Kobbelt, J. Vorsatz, U. Labsik, H.-P. Seidel</i> <b>\"A Shrink Wrapping Approach to "
-    "Remeshing Polygonal Surfaces\"</b> Computer Graphics Forum 18(3), 1999";
+    "<i>Kobbelt et al.</i> <b>\"A Shrink Wrapping Approach to Remeshing Polygonal Surfaces\"</b> "
+    "1999";
 const char* const kWindingNumbers =
-    "<i>G. Barill, N. Dickson, R. Schmidt, D. Levin, A. Jacobson</i> <b>\"Fast Winding Numbers for "
-    "Soups and Clouds\"</b> ACM Transactions on Graphics 37(4), 2018";
+    "<i>Barill et al.</i> <b>\"Fast Winding Numbers for Soups and Clouds\"</b> 2018";
 const char* const kQuadrics =
-    "<i>M. Garland, P. Heckbert</i> <b>\"Surface Simplification Using Quadric Error Metrics\"</b> "
-    "SIGGRAPH 1997";
+    "<i>Garland, Heckbert</i> <b>\"Surface Simplification Using Quadric Error Metrics\"</b> 1997";
 const char* const kFitting =
-    "<i>H. Suzuki, S. Takeuchi, T. Kanai</i> <b>\"Subdivision Surface Fitting to a Range of "
-    "Points\"</b> Pacific Graphics 1999";
-const char* const kRetiling =
-    "<i>G. Turk</i> <b>\"Re-Tiling Polygonal Surfaces\"</b> SIGGRAPH 1992";
+    "<i>Suzuki et al.</i> <b>\"Subdivision Surface Fitting to a Range of Points\"</b> 1999";
+const char* const kRetiling = "<i>Turk</i> <b>\"Re-Tiling Polygonal Surfaces\"</b> 1992";
 
-// Short: a dialog of 2020.09 that is higher than two thirds of the screen covers its last parameter
-// with its buttons.
+// Short: the dialog of 2020.09 shows all of it above all parameters, and is to fit a screen of 768
+// rows.
 QString help_of(Filter filter) {
   switch (filter) {
     case Filter::reconstruct:
       return "Makes a <b>watertight 2-manifold mesh whose vertices are exactly the points</b> of "
              "the current layer, as a new layer. <b>No normals are needed</b>; colours, qualities "
-             "and custom attributes are kept.<br>"
-             "Use it when every measured point of a solid object counts. For noisy points, stop at "
-             "the parametric surface.<br>"
-             "Most people need <b>none but the first four parameters</b>. The filters \"Shrink "
-             "Wrap: ...\" are its single stages." +
+             "and custom attributes are kept. For noisy points, stop at the parametric surface.<br>"
+             "Most people need <b>none but the first four parameters</b>." +
              reference("(all sections)");
     case Filter::initial_mesh:
       return "First stage: a <b>closed 2-manifold mesh around the samples</b>, shrunk towards "

@@ -4,9 +4,12 @@
 #pragma once
 
 #include <QAction>
+#include <QApplication>
+#include <QDockWidget>
 #include <QObject>
 #include <QString>
 #include <QStringList>
+#include <QTimer>
 #include <charconv>
 #include <map>
 #include <string>
@@ -55,6 +58,23 @@ struct FilterRun {
   Figures figures;  ///< what later generations hand to scripts
 };
 
+#if SHRINKWRAP_MESHLAB_GENERATION == 2020
+/// The host makes a dialog at least as high as its content, and forgets the title bar: a dialog
+/// higher than two thirds of the screen, which Qt makes no higher than it must be, has its last row
+/// below its buttons. This gives it the height of the bar too, once the host has made it.
+inline void make_room_for_title_bar(const QString& title) {
+  QTimer::singleShot(0, qApp, [title] {
+    for (QWidget* window : QApplication::topLevelWidgets()) {
+      const auto* dialog = qobject_cast<QDockWidget*>(window);
+      if (dialog == nullptr || dialog->windowTitle() != title) continue;
+      if (const QWidget* content = dialog->widget())
+        window->setMinimumHeight(content->sizeHint().height() + window->height() -
+                                 content->height());
+    }
+  });
+}
+#endif
+
 /// A plugin of filters, in the terms of neither generation. Filters are numbered from 0.
 class FilterHost : public HostInterface {
  public:
@@ -73,6 +93,7 @@ class FilterHost : public HostInterface {
   }
   void initParameterSet(QAction* action, MeshDocument& document, RichParameterList& list) override {
     declare_parameters(ID(action), document, list);
+    make_room_for_title_bar(filterName(ID(action)));
   }
   bool applyFilter(QAction* action, MeshDocument& document, const RichParameterList& list,
                    vcg::CallBackPos* callback) override {

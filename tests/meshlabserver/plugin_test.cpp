@@ -3,6 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <QApplication>
+#include <QCheckBox>
+#include <QDockWidget>
+#include <QGridLayout>
+#include <QLabel>
+#include <QLineEdit>
+#include <QPushButton>
 #include <cmath>
 
 #include "filter_runs.h"
@@ -321,6 +327,73 @@ TEST(Plugin, WrongValuesAndTypesAreRefusedByName) {
   EXPECT_NE(apply(Filter::reconstruct, document, other).find("VoxelSize"), std::string::npos);
   EXPECT_EQ(layer_count(document), 1u);
 }
+
+#if SHRINKWRAP_MESHLAB_GENERATION == 2020
+// A dialog as 2020.09 makes it, of usual fonts: a title bar of its own, help, a row for each
+// parameter, two rows of buttons. (Later generations scroll.)
+class HostDialog : public QDockWidget {
+ public:
+  HostDialog(Filter filter, MeshDocument& document) {
+    const RichParameterList list = parameters_for(filter, document);
+    setWindowTitle(filter_name(filter));
+    setFloating(true);
+    QFont font;
+    font.setPixelSize(12);
+    setFont(font);
+    auto* const title = new QLabel(filter_name(filter));
+    title->setFixedHeight(21);
+    setTitleBarWidget(title);
+    auto* const content = new QFrame(this);
+    setWidget(content);
+    auto* const grid = new QGridLayout(content);
+    auto* const help = new QLabel("<i>" + plugin->filterInfo(static_cast<int>(filter)) + "</i>");
+    help->setTextFormat(Qt::RichText);
+    help->setWordWrap(true);
+    grid->addWidget(help, 0, 0, 1, 2, Qt::AlignTop);
+    auto* const rows = new QFrame(content);
+    auto* const of_rows = new QGridLayout(rows);
+    of_rows->setAlignment(Qt::AlignTop);
+    for (const RichParameter& parameter : list) {
+      const int row = of_rows->rowCount();
+      of_rows->addWidget(new QLabel(parameter.fieldDescription()), row, 0);
+      if (parameter.value().isBool())
+        last_row_ = new QCheckBox;
+      else
+        last_row_ = new QLineEdit;
+      of_rows->addWidget(last_row_, row, 1);
+    }
+    rows->setMinimumSize(of_rows->sizeHint());
+    grid->addWidget(rows, 1, 0, 1, 2);
+    first_button_ = new QPushButton("Help");
+    grid->addWidget(first_button_, 2, 0, Qt::AlignBottom);
+    grid->addWidget(new QPushButton("Apply"), 3, 0, Qt::AlignBottom);
+    content->showNormal();
+    content->adjustSize();
+    setMinimumSize(content->sizeHint());
+    showNormal();
+    adjustSize();
+  }
+  int end_of_rows() const { return last_row_->mapTo(this, last_row_->rect().bottomLeft()).y(); }
+  int begin_of_buttons() const { return first_button_->mapTo(this, QPoint(0, 0)).y(); }
+
+ private:
+  QWidget *last_row_ = nullptr, *first_button_ = nullptr;
+};
+
+TEST(Plugin, DialogsShowEveryRowAboveTheirButtonsOnASmallScreen) {
+  MeshDocument document;
+  add_cloud(document, ShapeKind::sphere, 500);
+  ASSERT_EQ(apply(Filter::reconstruct, document), "");
+  for (int i = 0; i < kFilterCount; ++i) {
+    const auto filter = static_cast<Filter>(i);
+    HostDialog dialog(filter, document);
+    QApplication::processEvents();
+    EXPECT_LT(dialog.end_of_rows(), dialog.begin_of_buttons()) << filter_name(filter);
+    // The real one is some 70 pixels higher where there are most rows.
+    EXPECT_LE(dialog.height(), 690) << filter_name(filter);
+  }
+}
+#endif
 
 TEST(Plugin, NumbersAreThoseThatWereTyped) {
   EXPECT_EQ(typed_number(0.4f), 0.4);
