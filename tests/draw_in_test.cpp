@@ -4,10 +4,12 @@
 
 #include <cmath>
 
-#include "self_intersection.h"
+#include "meeting_pairs.h"
 
 namespace shrinkwrap {
 namespace {
+
+using testing::count_meeting_faces;
 
 constexpr Index kWidth = 12;
 constexpr double kDepth = 40.0;
@@ -51,23 +53,17 @@ Index draw_in(CompleteMatching& matching, const DrawingInOptions& options = {}) 
                                 options, silent);
 }
 
-Index meeting(const SurfaceMesh& mesh) {
-  Progress silent;
-  return static_cast<Index>(
-      self_intersecting_faces(mesh.position, mesh.triangles(), silent).size());
-}
-
 TEST(DrawIn, AVertexComesAsNearAsItCuts) {
   for (const double dent : {0.5, 5.0}) {
     SCOPED_TRACE(dent);
     const CompleteMatching before = sheet_with_dent(dent);
-    ASSERT_EQ(meeting(before.mesh), 0);
+    ASSERT_EQ(count_meeting_faces(before.mesh), 0);
     CompleteMatching matching = before;
     EXPECT_EQ(draw_in(matching), 1);
     const double depth = -matching.mesh.position.back().z();
     EXPECT_LT(depth, 0.2 * kDepth);
     EXPECT_GT(depth, dent);
-    EXPECT_EQ(meeting(matching.mesh), 0);
+    EXPECT_EQ(count_meeting_faces(matching.mesh), 0);
     EXPECT_EQ(rounded_to_single(matching.mesh.position.back()), matching.mesh.position.back());
     EXPECT_EQ(matching.mesh.triangles(), before.mesh.triangles());
     for (std::size_t i = 0; i + 1 < before.mesh.position.size(); ++i)
@@ -81,7 +77,7 @@ TEST(DrawIn, AStepThatCutsIsHalved) {
   options.rounds = 1;
   EXPECT_EQ(draw_in(matching, options), 1);
   EXPECT_NEAR(-matching.mesh.position.back().z(), 0.75 * kDepth, 0.1);
-  EXPECT_EQ(meeting(matching.mesh), 0);
+  EXPECT_EQ(count_meeting_faces(matching.mesh), 0);
 }
 
 TEST(DrawIn, WhatIsToBeDroppedIsInNobodysWay) {

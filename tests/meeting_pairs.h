@@ -1,4 +1,4 @@
-// The pairs of faces of a mesh that meet, found anew.
+// The faces of a mesh that meet others, and their pairs, found anew.
 #pragma once
 
 #include "self_intersection.h"
@@ -9,6 +9,12 @@ namespace shrinkwrap::testing {
 inline Index count_pairs(const SurfaceMesh& mesh) {
   Progress progress;
   return static_cast<Index>(self_intersections(mesh.position, mesh.triangles(), progress).size());
+}
+
+inline Index count_meeting_faces(const SurfaceMesh& mesh) {
+  Progress progress;
+  return static_cast<Index>(
+      self_intersecting_faces(mesh.position, mesh.triangles(), progress).size());
 }
 
 }  // namespace shrinkwrap::testing
