@@ -44,9 +44,10 @@ void relax(SurfaceMesh& mesh, double eta, std::vector<Vec3>& moved, Progress& pr
 }  // namespace
 
 std::uint64_t vertices_after(int levels) {
-  std::uint64_t vertices = kBoxVertices;
-  for (int level = 0; level < std::min(levels, kMaxLevels); ++level) vertices = 4 * vertices - 6;
-  return vertices;
+  Index vertices = kBoxVertices;
+  for (int level = 0; level < std::min(levels, kMaxLevels); ++level)
+    vertices = subdivided_vertices(vertices);
+  return static_cast<std::uint64_t>(vertices);
 }
 
 int levels_for(Index samples) {
