@@ -153,8 +153,8 @@ TEST(Openings, ThatAreLeftOpenStayOpen) {
   std::sort(matching.opening_faces.begin(), matching.opening_faces.end());
   matching.spanning_faces = matching.opening_faces;
   Progress silent;
-  const Index removed = close_openings(matching, first_extra, silent);
-  EXPECT_GT(removed, 0);
+  const std::vector<Index> removed = close_openings(matching, first_extra, silent);
+  EXPECT_FALSE(removed.empty());
   // All others are of faces that stay.
   EXPECT_EQ(mesh.vertex_count(), first_extra + 1);
   EXPECT_EQ(static_cast<Index>(matching.sample_of_vertex.size()), mesh.vertex_count());
@@ -217,6 +217,17 @@ TEST(Openings, LoseAnExtraVertexWithNoMoreCutsThanAllowed) {
     expect_closed_manifold(mesh, 2, 0);
     EXPECT_EQ(count_meeting_faces(mesh), most_cuts >= 3 ? 4 : 0);
   }
+}
+
+TEST(Openings, KeepTheVerticesThatAreHeld) {
+  SurfaceMesh mesh = testing::icosphere(0);
+  const Index last = mesh.vertex_slots() - 1;
+  Progress silent;
+  ClosingOptions options;
+  options.held = {last};
+  close_openings(mesh, last - 1, silent, {}, options);
+  EXPECT_TRUE(mesh.is_removed_vertex(last - 1));
+  EXPECT_FALSE(mesh.is_removed_vertex(last));
 }
 
 // A disc whose rim of samples has one vertex on either side, the last of which is no sample.

@@ -111,7 +111,9 @@ class OpeningCloser {
     }
     // Every other one first, then every other one of the rest, and so on; the first of all last.
     const auto add = [&](Index i) {
-      if (is_dropped[i]) return;
+      if (is_dropped[i] ||
+          std::binary_search(options.held.begin(), options.held.end(), first_extra + i))
+        return;
       Pending pending;
       pending.vertex = first_extra + i;
       pending_.push_back(pending);
@@ -486,17 +488,20 @@ Closing close_openings(SurfaceMesh& mesh, Index first_extra, Progress& progress,
   return OpeningCloser(mesh, first_extra, opening_faces, options, progress).close();
 }
 
-Index close_openings(CompleteMatching& matching, Index samples, Progress& progress,
-                     const ClosingOptions& options) {
+std::vector<Index> close_openings(CompleteMatching& matching, Index samples, Progress& progress,
+                                  const ClosingOptions& options) {
   SurfaceMesh& mesh = matching.mesh;
-  const Index before = mesh.vertex_count();
   const std::vector<char> spans =
       close_openings(mesh, samples, progress, matching.opening_faces, options).spans;
   // Samples keep their index. Of the extra vertices only those that go change places.
-  std::vector<Index> new_index(mesh.position.size(), kNone);
+  std::vector<Index> new_index(mesh.position.size(), kNone), removed;
   Index count = 0;
-  for (Index v = 0; v < mesh.vertex_slots(); ++v)
-    if (!mesh.is_removed_vertex(v)) new_index[v] = count++;
+  for (Index v = 0; v < mesh.vertex_slots(); ++v) {
+    if (mesh.is_removed_vertex(v))
+      removed.push_back(v);
+    else
+      new_index[v] = count++;
+  }
   FaceNames spanning(mesh, new_index), open(mesh, new_index);
   for (const Index f : matching.spanning_faces) spanning.add(f);
   for (const Index f : matching.opening_faces) open.add(f);
@@ -506,7 +511,7 @@ Index close_openings(CompleteMatching& matching, Index samples, Progress& progre
   matching.spanning_faces = spanning.faces();
   matching.opening_faces = open.faces();
   matching.sample_of_vertex.resize(mesh.position.size());
-  return before - mesh.vertex_count();
+  return removed;
 }
 
 }  // namespace shrinkwrap

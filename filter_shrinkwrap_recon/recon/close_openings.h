@@ -17,6 +17,7 @@ struct ClosingOptions {
   /// Pairs of faces that the removal of a vertex may make meet, where it cannot go otherwise: one
   /// is tried first, then twice as many, and so on.
   Index most_cuts = 0;
+  std::vector<Index> held = {};  ///< vertices that are to stay, ascending
 };
 
 struct Closing {
@@ -46,8 +47,8 @@ Closing close_openings(SurfaceMesh& mesh, Index first_extra, Progress& progress,
 
 /// The same for a matching whose vertex i below `samples` is sample i: vertices and faces are then
 /// renumbered, the samples as they were; spanning and opening faces go along, and new ones that
-/// span are added. Returns the number of vertices removed.
-Index close_openings(CompleteMatching& matching, Index samples, Progress& progress,
-                     const ClosingOptions& options = {});
+/// span are added. Returns the vertices removed, as they were numbered before, ascending.
+std::vector<Index> close_openings(CompleteMatching& matching, Index samples, Progress& progress,
+                                  const ClosingOptions& options = {});
 
 }  // namespace shrinkwrap
