@@ -204,6 +204,26 @@ TEST(Reconstruct, ProgressGoesOnInASecondAttempt) {
       1e-9);
 }
 
+TEST(Reconstruct, BacksThatWereTakenForOpeningsAreSoInASecondSurfaceToo) {
+  ReconstructionOptions options;
+  options.denoising.from = options.noise.high = -1.0;  // every cloud counts as noisy
+  Index matchings = 0;
+  std::string stage;
+  Progress progress(
+      [&](double, const char* current) {
+        if (current != stage && stage_name(Stage::complete_matching) == std::string(current))
+          ++matchings;
+        stage = current;
+        return true;
+      },
+      stages_of(options));
+  const Reconstruction result = reconstruct(sample_strip(600, 5, 3), options, progress);
+  EXPECT_TRUE(result.backs.is_taken);
+  EXPECT_TRUE(result.smoothing.is_made);
+  EXPECT_TRUE(result.smoothing.is_taken);
+  EXPECT_EQ(matchings, 3);
+}
+
 TEST(Reconstruct, WhatIsSampledFarMoreCloselyThanTheRestIsNotLost) {
   for (const Index count : {500, 700, 1000}) {
     SCOPED_TRACE(count);

@@ -141,7 +141,8 @@ void match_sheets(SurfaceMesh parametric, PointCloud& cloud, const std::vector<V
                   ReconstructionOptions options, Reconstruction& result, StageLog& log,
                   Progress& progress) {
   if (result.parametric_surface.membrane_vertices == 0 || !options.intersection_repair.enabled ||
-      options.complete_matching.method != CompleteMatchingOptions::Method::retile) {
+      options.complete_matching.method != CompleteMatchingOptions::Method::retile ||
+      options.complete_matching.backs_are_openings) {
     match(std::move(parametric), cloud, points, options, result, log, progress);
     return;
   }
@@ -200,8 +201,12 @@ void match_twice(PointCloud& cloud, const std::vector<Vec3>& points, const Noise
   // Without noise it does little for vertices that are no samples, which close openings.
   if (!is_noisy && result.intersection_repair.persistent_faces() == 0) return;
   const ProgressShare share(progress, of_first, 1.0);
-  try_again(result, second, &Reconstruction::smoothing, false, progress,
-            [&] { match_smoothed(cloud, points, noise, options, second, progress); });
+  try_again(result, second, &Reconstruction::smoothing, false, progress, [&] {
+    ReconstructionOptions for_second = options;
+    if (result.backs.is_taken) for_second.complete_matching.backs_are_openings = true;
+    second.backs = result.backs;
+    match_smoothed(cloud, points, noise, for_second, second, progress);
+  });
 }
 
 Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions options,
