@@ -120,11 +120,15 @@ TEST(IntersectionRepair, AnnealsWhatNothingElseParts) {
     Random random(seed);
     SurfaceMesh mesh = icosphere(3);
     shake(mesh, 1.5, random);
-    SurfaceMesh other = mesh;
+    SurfaceMesh other = mesh, third = mesh;
     const RepairReport report = repair(mesh);
     RepairOptions options;
     options.annealing.moves_per_face = 0;
     const RepairReport without = repair(other, options);
+    options = {};
+    options.max_annealed_rings = 0;
+    EXPECT_EQ(repair(third, options).faces_after, without.faces_after);
+    expect_same_mesh(third, other);
     EXPECT_EQ(without.annealed, 0);
     EXPECT_EQ(without.faces_before_annealing, without.faces_after);
     EXPECT_EQ(report.faces_before_annealing, without.faces_after);
@@ -212,6 +216,47 @@ TEST(IntersectionRepair, NoTrialsNoFlips) {
   EXPECT_EQ(report.flips, 0);
   EXPECT_EQ(report.after, report.before);
   expect_same_mesh(mesh, before);
+}
+
+TEST(IntersectionRepair, TriesNothingAgainWhereNothingHasChanged) {
+  Random random(1);
+  SurfaceMesh mesh = torus_mesh(60, 24);
+  shake(mesh, 0.1, random);
+  flip_at_random(mesh, 2000, random);
+  const SurfaceMesh before = mesh;
+  Progress silent;
+  const auto meeting = [&] {
+    return self_intersecting_faces(mesh.position, mesh.triangles(), silent);
+  };
+  RepairOptions options;
+  options.folds.most_folded = 0.0;
+  options.tried = surroundings(mesh, meeting());
+  EXPECT_EQ(repair(mesh, options).flips, 0);
+  expect_same_mesh(mesh, before);
+
+  // As if all had changed on one side.
+  const auto side_of = [&](const Triangle& t) {
+    double least = mesh.position[t[0]].x(), most = least;
+    for (const Index v : t) {
+      least = std::min(least, mesh.position[v].x());
+      most = std::max(most, mesh.position[v].x());
+    }
+    return least > 0.0 ? 1 : most < 0.0 ? -1 : 0;
+  };
+  const auto meeting_on_side = [&](int side) {
+    const std::vector<Index> faces = meeting();
+    return std::count_if(faces.begin(), faces.end(),
+                         [&](Index f) { return side_of(mesh.triangle(f)) == side; });
+  };
+  const auto here = meeting_on_side(1), there = meeting_on_side(-1);
+  EXPECT_GT(here, 50);
+  EXPECT_GT(there, 50);
+  options.tried.erase(std::remove_if(options.tried.begin(), options.tried.end(),
+                                     [&](const Triangle& t) { return side_of(t) >= 0; }),
+                      options.tried.end());
+  repair(mesh, options);
+  EXPECT_EQ(meeting_on_side(1), 0);
+  EXPECT_GT(meeting_on_side(-1), there / 2) << "but what changes spreads";
 }
 
 TEST(IntersectionRepair, OpeningFacesStayAndDoNotCount) {

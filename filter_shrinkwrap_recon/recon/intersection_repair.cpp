@@ -71,7 +71,8 @@ class Repair {
 
   bool has_time() const { return trials_left_ > 0 && meetings_.has_tests_left(); }
   bool may_try(const Attempt& attempt) const {
-    if (attempt.move == Move::annealing) return moves_left_ > 0;
+    if (attempt.move == Move::annealing)
+      return moves_left_ > 0 && attempt.reach <= options_.max_annealed_rings;
     return has_time() &&
            (attempt.move == Move::relocation || attempt.reach <= options_.max_look_ahead);
   }
@@ -89,7 +90,8 @@ class Repair {
   }
 
   void try_near(const Attempt& attempt, const std::vector<Index>& faces, double done);
-  std::vector<Index> affected_faces() const;
+  std::vector<Index> affected_faces(const std::vector<Index>& touched) const;
+  std::vector<Index> untried_faces() const;
 
   SurfaceMesh& mesh_;
   const RepairOptions& options_;
@@ -103,6 +105,7 @@ class Repair {
   std::int64_t trials_left_ = 0, moves_left_ = 0;
   Index faces_before_annealing_ = kNone;
   bool has_granted_ = false;  // tests for annealing
+  bool ran_short_ = false;    // before
 };
 
 void Repair::flip_if_better(Index h) {
@@ -176,7 +179,10 @@ void Repair::anneal_near(const std::vector<Index>& faces, int rings, double done
     if (cluster.size() > kLargestPatch || moves_left_ <= 0) return;
     const std::vector<Index> patch = faces_near(mesh_, cluster, rings);
     if (patch.size() > kLargestPatch || meetings_.pairs_of(cluster).empty()) continue;
-    if (!has_granted_) meetings_.grant(kTestsPerMove * moves_left_);
+    if (!has_granted_) {
+      ran_short_ = !has_time();
+      meetings_.grant(kTestsPerMove * moves_left_);
+    }
     has_granted_ = true;
     if (!meetings_.has_tests_left()) return;
     if (!anneal_patch(hinges_, patch, limits_, options, moves_left_, progress_, done)) continue;
@@ -197,9 +203,9 @@ void Repair::unfold(const std::vector<Index>& faces) {
   }
 }
 
-// The faces around those that changed, and those that they meet, ascending.
-std::vector<Index> Repair::affected_faces() const {
-  std::vector<Index> faces = faces_near(mesh_, touched_, 1);
+// The faces around those that were touched, and those that they meet, ascending.
+std::vector<Index> Repair::affected_faces(const std::vector<Index>& touched) const {
+  std::vector<Index> faces = faces_near(mesh_, touched, 1);
   const std::size_t near = faces.size();
   for (std::size_t i = 0; i < near; ++i) {
     const std::vector<Index>& met = meetings_.faces_met_by(faces[i]);
@@ -207,6 +213,33 @@ std::vector<Index> Repair::affected_faces() const {
   }
   sort_unique(faces);
   return faces;
+}
+
+// The faces that meet others but for those that were tried before and that nothing has changed
+// near.
+std::vector<Index> Repair::untried_faces() const {
+  std::vector<Index> faces = meetings_.faces();
+  if (options_.tried.empty()) return faces;
+  const auto is_new = [&](Index f) {
+    return !std::binary_search(options_.tried.begin(), options_.tried.end(),
+                               ascending_corners(mesh_, f));
+  };
+  // Each star is looked at once, however large it is.
+  std::vector<Index> changed = corners_of(mesh_, faces);
+  const auto is_as_before = [&](Index v) {
+    bool has_new = false;
+    mesh_.for_each_outgoing(v, [&](Index h) { has_new |= is_new(SurfaceMesh::face(h)); });
+    return !has_new;
+  };
+  changed.erase(std::remove_if(changed.begin(), changed.end(), is_as_before), changed.end());
+  const auto was_tried = [&](Index f) {
+    const Triangle t = mesh_.triangle(f);
+    return std::none_of(t.begin(), t.end(), [&](Index v) {
+      return std::binary_search(changed.begin(), changed.end(), v);
+    });
+  };
+  faces.erase(std::remove_if(faces.begin(), faces.end(), was_tried), faces.end());
+  return affected_faces(faces);
 }
 
 // One pass of an attempt over the edges or corners of these faces.
@@ -239,15 +272,13 @@ void Repair::part_faces(RepairReport& report) {
   const std::int64_t max_trials =
       options_.max_trials > 0 ? options_.max_trials : kLeastTrials + mesh_.face_slots();
   trials_left_ = std::min(max_trials, options_.max_trials_per_face * report.faces_before);
-
   moves_left_ = std::min(most_moves(mesh_),
                          kMovesPerTrial * options_.max_trials_per_face * report.faces_before);
-
   progress_.set_range(0.8, 1.0);
   std::vector<Index> changed;
   // Faces near which each attempt has not failed since something changed there.
   std::array<std::vector<Index>, kAttemptCount> pending;
-  pending.fill(faces);
+  pending.fill(untried_faces());
   while (report.rounds < options_.max_rounds) {
     std::vector<Index> active;
     std::size_t attempt = 0;
@@ -265,7 +296,7 @@ void Repair::part_faces(RepairReport& report) {
     if (touched_.empty()) continue;
     changed.insert(changed.end(), touched_.begin(), touched_.end());
     faces = meetings_.faces();
-    const std::vector<Index> affected = affected_faces();
+    const std::vector<Index> affected = affected_faces(touched_);
     for (std::vector<Index>& waiting : pending) {
       std::vector<Index> both;
       std::set_union(waiting.begin(), waiting.end(), affected.begin(), affected.end(),
@@ -292,12 +323,26 @@ RepairReport Repair::run(const std::vector<Index>& spanning_faces) {
   report.flips = flips_;
   report.relocated = relocated_;
   report.annealed = annealed_;
+  report.ran_short = ran_short_ || (report.faces_after > 0 && !has_granted_ && !has_time());
   report.tests = meetings_.tests();
   progress_.set_range(0.0, 1.0);
   return report;
 }
 
 }  // namespace
+
+Triangle ascending_corners(const SurfaceMesh& mesh, Index f) {
+  Triangle corners = mesh.triangle(f);
+  std::sort(corners.begin(), corners.end());
+  return corners;
+}
+
+std::vector<Triangle> surroundings(const SurfaceMesh& mesh, const std::vector<Index>& faces) {
+  std::vector<Triangle> around;
+  for (const Index f : faces_near(mesh, faces, 1)) around.push_back(ascending_corners(mesh, f));
+  std::sort(around.begin(), around.end());
+  return around;
+}
 
 RepairReport repair_self_intersections(SurfaceMesh& mesh, const RepairOptions& options,
                                        Progress& progress, const std::vector<Index>& opening_faces,

@@ -29,8 +29,19 @@ struct RepairOptions {
   /// long as there is another way.
   double fold_guard = -0.3;
   AnnealingOptions annealing;  ///< of patches of one ring; of n rings, n times as many moves
+  int max_annealed_rings = 3;  ///< around faces that still meet others
   FoldOptions folds;           ///< that are removed at last
+  /// Of a mesh that was repaired before and has changed in places: `surroundings` of the faces that
+  /// were left. Near a face whose surroundings are all among these nothing is tried again, unless
+  /// something changes there.
+  std::vector<Triangle> tried = {};
 };
+
+/// Names a face whatever becomes of its index.
+Triangle ascending_corners(const SurfaceMesh& mesh, Index f);
+
+/// The corners, ascending, of these faces and of those within one ring of them; ascending.
+std::vector<Triangle> surroundings(const SurfaceMesh& mesh, const std::vector<Index>& faces);
 
 struct RepairReport {
   Index before = 0;  ///< pairs of faces that meet, as far as they are known (face_meetings.h)
@@ -43,6 +54,7 @@ struct RepairReport {
   Index relocated = 0;  ///< samples
   Index annealed = 0;   ///< patches that came out with fewer pairs
   int rounds = 0;
+  bool ran_short = false;  ///< of trials or tests, so that not all was tried but annealing
   std::int64_t tests = 0;  ///< of pairs of faces, after the first search
   FoldReport folds;        ///< that were left by all this
 
@@ -63,6 +75,7 @@ struct RepairReport {
     relocated += further.relocated;
     annealed += further.annealed;
     rounds += further.rounds;
+    ran_short = further.ran_short;
     tests += further.tests;
     folds.faces_after = further.folds.faces_after;
     folds.flips += further.folds.flips;
@@ -75,8 +88,8 @@ struct RepairReport {
 /// looks for two neighbouring flips that do together. What failed is tried again only where
 /// something has changed nearby. Sharper folds than the guard allows are made only where all this
 /// fails, and unfolded at the end if that costs no pair; needles only where folds do not help. At
-/// last the patches around the faces that still meet are annealed (patch_annealing.h), of
-/// one, two and three rings, the smallest first, unless they are more than a fifth of all: a heap.
+/// last the patches around the faces that still meet are annealed (patch_annealing.h), of one ring,
+/// then of more, the smallest first, unless they are more than a fifth of all: a heap.
 /// Whether faces meet or not, folds are removed then (fold_removal.h).
 /// Vertices neither move nor vanish, no face becomes degenerate, and the mesh stays a closed
 /// 2-manifold of the same genus. `after` is never above `before`.
