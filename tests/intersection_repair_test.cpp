@@ -214,8 +214,27 @@ TEST(IntersectionRepair, NoTrialsNoFlips) {
   options.max_trials_per_face = 0;
   const RepairReport report = repair(mesh, options);
   EXPECT_EQ(report.flips, 0);
+  EXPECT_TRUE(report.ran_short);
   EXPECT_EQ(report.after, report.before);
   expect_same_mesh(mesh, before);
+}
+
+TEST(IntersectionRepair, TellsWhetherAllWasTried) {
+  Random random(1);
+  SurfaceMesh mesh = icosphere(3);
+  shake(mesh, 1.5, random);
+  SurfaceMesh other = mesh, third = mesh;
+  const RepairReport report = repair(mesh);
+  EXPECT_GT(report.faces_before_annealing, 0);
+  EXPECT_FALSE(report.ran_short);
+  RepairOptions options;
+  options.max_rounds = 2;
+  EXPECT_TRUE(repair(other, options).ran_short);
+  options = {};
+  options.max_trials = 20000;
+  const RepairReport in_brief = repair(third, options);
+  EXPECT_GT(in_brief.annealed, 0) << "which is not what it ran short of";
+  EXPECT_TRUE(in_brief.ran_short);
 }
 
 TEST(IntersectionRepair, TriesNothingAgainWhereNothingHasChanged) {

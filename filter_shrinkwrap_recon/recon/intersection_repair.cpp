@@ -323,7 +323,8 @@ RepairReport Repair::run(const std::vector<Index>& spanning_faces) {
   report.flips = flips_;
   report.relocated = relocated_;
   report.annealed = annealed_;
-  report.ran_short = ran_short_ || (report.faces_after > 0 && !has_granted_ && !has_time());
+  const bool was_cut_off = report.rounds == options_.max_rounds || (!has_granted_ && !has_time());
+  report.ran_short = ran_short_ || (report.faces_after > 0 && was_cut_off);
   report.tests = meetings_.tests();
   progress_.set_range(0.0, 1.0);
   return report;

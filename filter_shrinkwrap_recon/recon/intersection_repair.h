@@ -54,7 +54,7 @@ struct RepairReport {
   Index relocated = 0;  ///< samples
   Index annealed = 0;   ///< patches that came out with fewer pairs
   int rounds = 0;
-  bool ran_short = false;  ///< of trials or tests, so that not all was tried but annealing
+  bool ran_short = false;  ///< of rounds, trials or tests: not all was tried, annealing aside
   std::int64_t tests = 0;  ///< of pairs of faces, after the first search
   FoldReport folds;        ///< that were left by all this
 
