@@ -17,12 +17,12 @@ struct FinishReport {
 /// Repairs self-intersections (faces that stay open left alone). Around an opening the faces of the
 /// complete matching may cut where what spans it belongs, and then vertices that are no samples
 /// stay: once the faces are parted, these are removed as close_openings does it, and where faces
-/// still meet, they are parted again. Those that stay even so are removed with a few cuts: where
-/// more faces meet once these are parted, all is as before, and the vertices that were removed
-/// nearest to those faces are left out of the next of a few trials. What stays is drawn in
-/// (draw_in.h). `matching`
-/// and `openings` (the longest edge) are brought up to date. Pre: vertex i below the samples of the
-/// cloud is sample i, or nothing spans an opening. Post: closed 2-manifold of the same topology.
+/// still meet, they are parted again. Those that stay even so are removed with cuts, at first with
+/// few, and faces are parted near what changed. Where more meet then, all is as before, and the
+/// vertices that were removed nearest to those faces are left out of the next of a few trials. What
+/// stays is drawn in (draw_in.h). `matching` and `openings` (the longest edge) are brought up to
+/// date. Pre: vertex i below the samples of the cloud is sample i, or nothing spans an opening.
+/// Post: closed 2-manifold of the same topology.
 FinishReport finish_matching(CompleteMatching& matching, const PointCloud& cloud, HostScalar scalar,
                              const RepairOptions& options, OpeningsReport& openings,
                              Progress& progress);
