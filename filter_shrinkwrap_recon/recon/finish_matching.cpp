@@ -16,8 +16,6 @@ namespace {
 constexpr Index kMostCuts[] = {8, 64, 512};
 // So often it is tried with so many cuts, each time without the vertices that did harm.
 constexpr int kMostTrials = 8;
-// Of all faces: if more meet others, all of it is a heap, and no trial shows anything.
-constexpr double kMostMeeting = 0.2;
 
 // Of the vertices removed from `before`, the one that was nearest to each of the faces that meet
 // others in `after` and did not in `before`.
@@ -110,10 +108,11 @@ void Finish::remove_extra_vertices() {
 
 // Removes vertices that cannot go without a cut.
 void Finish::remove_with_cuts() {
+  // Of a heap no trial shows anything.
   if (report_.repair.faces_after > kMostMeeting * matching_.mesh.face_count()) return;
   // In brief and near what has changed, since there are many trials.
   RepairOptions near = options_;
-  near.max_annealed_rings = 1;
+  near.max_annealed_rings = 2;
   near.folds.most_folded = 0.0;
   for (const Index most_cuts : kMostCuts) {
     ClosingOptions options;

@@ -29,7 +29,6 @@ constexpr std::int64_t kTestsPerFace = 20;
 constexpr std::int64_t kTrialsOfRelocation = 50;
 // Beside that there are moves of annealing, so many for each trial that is allowed for a face.
 constexpr std::int64_t kMovesPerTrial = 20;
-constexpr double kMostMeeting = 0.2;  // of all faces: if more meet others, all of it is a heap
 constexpr Index kPollInterval = 8;
 
 // What is tried in turn, the next where the one before is of no avail.

@@ -13,6 +13,9 @@
 
 namespace shrinkwrap {
 
+/// Of all faces: if more meet others, the mesh is a heap, and what is costly is not tried.
+constexpr double kMostMeeting = 0.2;
+
 struct RepairOptions {
   bool enabled = true;     ///< for the pipeline: repair at all
   int max_rounds = 64;     ///< passes over the edges near the faces that still meet others
