@@ -220,7 +220,6 @@ TEST(Reconstruct, BacksThatWereTakenForOpeningsAreSoInASecondSurfaceToo) {
   const Reconstruction result = reconstruct(sample_strip(600, 5, 3), options, progress);
   EXPECT_TRUE(result.backs.is_taken);
   EXPECT_TRUE(result.smoothing.is_made);
-  EXPECT_TRUE(result.smoothing.is_taken);
   EXPECT_EQ(matchings, 3);
 }
 
