@@ -1,12 +1,12 @@
 #include "finish_matching.h"
 
 #include <algorithm>
-#include <limits>
+#include <utility>
 
 #include "close_openings.h"
 #include "draw_in.h"
 #include "sort_unique.h"
-#include "triangle_geometry.h"
+#include "voxel_search.h"
 
 namespace shrinkwrap {
 namespace {
@@ -17,29 +17,41 @@ constexpr Index kMostCuts[] = {8, 64, 512};
 // So often it is tried with so many cuts, each time without the vertices that did harm.
 constexpr int kMostTrials = 8;
 
-// Of the vertices removed from `before`, the one that was nearest to each of the faces that meet
-// others in `after` and did not in `before`.
+// Faces, by their corners, as they are named once these vertices (ascending) are gone; not those of
+// which one is gone. Both ascending.
+std::vector<Triangle> without_vertices(std::vector<Triangle> faces,
+                                       const std::vector<Index>& removed) {
+  const auto has_gone = [&](const Triangle& t) {
+    return std::any_of(t.begin(), t.end(), [&](Index v) {
+      return std::binary_search(removed.begin(), removed.end(), v);
+    });
+  };
+  faces.erase(std::remove_if(faces.begin(), faces.end(), has_gone), faces.end());
+  for (Triangle& t : faces)
+    for (Index& v : t)
+      v -=
+          static_cast<Index>(std::lower_bound(removed.begin(), removed.end(), v) - removed.begin());
+  return faces;
+}
+
+// Of the vertices removed from `before`, the one that was nearest to the middle of each of the
+// faces that meet others in `after` and did not in `before`.
 std::vector<Index> to_blame(const CompleteMatching& before, const std::vector<Index>& faces_before,
                             const std::vector<Index>& removed, const CompleteMatching& after,
-                            const std::vector<Index>& faces_after) {
+                            const std::vector<Index>& faces_after, Progress& progress) {
   std::vector<Triangle> known;
   for (const Index f : faces_before) known.push_back(ascending_corners(before.mesh, f));
   std::sort(known.begin(), known.end());
+  known = without_vertices(std::move(known), removed);
+  std::vector<Vec3> position;
+  for (const Index v : removed) position.push_back(before.mesh.position[v]);
+  const VoxelSearch search(std::move(position), progress);
   std::vector<Index> nearest;
   for (const Index f : faces_after) {
     const Triangle t = ascending_corners(after.mesh, f);
     if (std::binary_search(known.begin(), known.end(), t)) continue;
-    double least = std::numeric_limits<double>::infinity();
-    Index best = removed.front();
-    for (const Index v : removed) {
-      const double distance = foot_on_triangle(before.mesh.position[v], after.mesh.position[t[0]],
-                                               after.mesh.position[t[1]], after.mesh.position[t[2]])
-                                  .squared_distance;
-      if (distance >= least) continue;
-      least = distance;
-      best = v;
-    }
-    nearest.push_back(best);
+    const std::vector<Vec3>& p = after.mesh.position;
+    nearest.push_back(removed[search.nearest((p[t[0]] + p[t[1]] + p[t[2]]) / 3.0).index]);
   }
   sort_unique(nearest);
   return nearest;
@@ -63,13 +75,15 @@ class Finish {
            extra_vertices_kept(matching_.mesh, samples_, matching_.opening_faces) > 0;
   }
   RepairReport repair(CompleteMatching& matching, const RepairOptions& options) {
-    return repair_self_intersections(matching.mesh, options, progress_, matching.opening_faces,
-                                     matching.spanning_faces);
+    RepairReport report = repair_self_intersections(
+        matching.mesh, options, progress_, matching.opening_faces, matching.spanning_faces);
+    restore_spanning_faces(matching, report.changed_faces, samples_);
+    return report;
   }
-  // Once more, near what has changed since the surroundings of the faces left were `tried`.
-  RepairReport repair_again(std::vector<Triangle> tried) {
+  // Once more, near what has changed since `tried_` was filled in.
+  RepairReport repair_again() {
     RepairOptions options = options_;
-    options.tried = std::move(tried);
+    options.tried = tried_;
     return repair(matching_, options);
   }
   void add_repair_of_cuts(RepairReport further) {
@@ -77,8 +91,8 @@ class Finish {
     further.faces_before_annealing = further.annealed = 0;
     report_.repair.add(std::move(further));
   }
-  // For what there was no time is to be tried again.
-  std::vector<Triangle> tried_so_far() const {
+  // The surroundings of the faces left, unless there was no time to try them all.
+  std::vector<Triangle> tried_by_last_repair() const {
     if (report_.repair.ran_short) return {};
     return surroundings(matching_.mesh, report_.repair.remaining_faces);
   }
@@ -91,19 +105,22 @@ class Finish {
   const RepairOptions& options_;
   Progress& progress_;
   FinishReport report_;
+  std::vector<Triangle> tried_;  // by repairs of all kinds of moves: see RepairOptions
 };
 
 void Finish::remove_extra_vertices() {
   RepairReport& repair = report_.repair;
-  std::vector<Triangle> tried = tried_so_far();
-  report_.removed_extra = static_cast<Index>(close_openings(matching_, samples_, progress_).size());
+  tried_ = tried_by_last_repair();
+  const std::vector<Index> removed = close_openings(matching_, samples_, progress_);
+  report_.removed_extra = static_cast<Index>(removed.size());
+  tried_ = without_vertices(std::move(tried_), removed);
   // Flips may part what is left now, and all faces have other indices.
-  if (repair.faces_after > 0) repair.add(repair_again(std::move(tried)));
-  tried = tried_so_far();
+  if (repair.faces_after > 0) repair.add(repair_again());
+  tried_ = tried_by_last_repair();
   remove_with_cuts();
   if (matching_.report.cut_out == 0) return;
   report_.removed_extra += matching_.report.cut_out;
-  add_repair_of_cuts(repair_again(std::move(tried)));
+  add_repair_of_cuts(repair_again());
 }
 
 // Removes vertices that cannot go without a cut.
@@ -117,20 +134,23 @@ void Finish::remove_with_cuts() {
   for (const Index most_cuts : kMostCuts) {
     ClosingOptions options;
     options.most_cuts = most_cuts;
-    near.tried = tried_so_far();
+    const std::vector<Triangle> tried = tried_by_last_repair();
     for (int trials = 0; trials < kMostTrials && has_extra_vertices(); ++trials) {
       CompleteMatching trial = matching_;
       const std::vector<Index> removed = close_openings(trial, samples_, progress_, options);
       if (removed.empty()) break;
+      near.tried = without_vertices(tried, removed);
       RepairReport further = repair(trial, near);
       if (further.faces_after > report_.repair.faces_after) {
-        const std::vector<Index> harmful = to_blame(matching_, report_.repair.remaining_faces,
-                                                    removed, trial, further.remaining_faces);
+        const std::vector<Index> harmful =
+            to_blame(matching_, report_.repair.remaining_faces, removed, trial,
+                     further.remaining_faces, progress_);
         options.held.insert(options.held.end(), harmful.begin(), harmful.end());
         sort_unique(options.held);
         continue;
       }
       matching_ = std::move(trial);
+      tried_ = without_vertices(std::move(tried_), removed);
       matching_.report.cut_out += static_cast<Index>(removed.size());
       add_repair_of_cuts(std::move(further));
       break;

@@ -304,7 +304,11 @@ void Repair::part_faces(RepairReport& report) {
     }
   }
   limits_.least_height = kLeastHeight;
+  touched_.clear();
   unfold(changed);
+  changed.insert(changed.end(), touched_.begin(), touched_.end());
+  sort_unique(changed);
+  report.changed_faces = std::move(changed);
 }
 
 RepairReport Repair::run(const std::vector<Index>& spanning_faces) {

@@ -6,6 +6,7 @@
 
 #include "face_tree.h"
 #include "parallel.h"
+#include "triangle_geometry.h"
 
 namespace shrinkwrap {
 namespace {
@@ -14,11 +15,7 @@ constexpr Index kGrain = 1 << 11;
 constexpr double kRelativeError = 1e-3;
 
 double longest_edge(const ResultMesh& mesh, const Triangle& t) {
-  double longest = 0.0;
-  for (int corner = 0; corner < 3; ++corner)
-    longest =
-        std::max(longest, (mesh.position[t[corner]] - mesh.position[t[(corner + 1) % 3]]).norm());
-  return longest;
+  return shrinkwrap::longest_edge(mesh.position[t[0]], mesh.position[t[1]], mesh.position[t[2]]);
 }
 
 }  // namespace

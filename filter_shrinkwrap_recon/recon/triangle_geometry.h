@@ -19,6 +19,10 @@ inline Vec3 unit_or_zero(const Vec3& vector) {
   return length > 0.0 ? Vec3(vector / length) : Vec3(0.0, 0.0, 0.0);
 }
 
+inline double longest_edge(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
+}
+
 /// Height of a triangle over its longest edge, as a part of that; 0 for a degenerate one.
 inline double relative_height(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double longest =
