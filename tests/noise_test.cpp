@@ -44,7 +44,7 @@ TEST(Noise, CleanCloudsAreNotCalledNoisy) {
 
 TEST(Noise, FewNeighboursTellOfItToo) {
   const std::vector<Vec3> points = sample_noisy_shape(ShapeKind::sphere, 5000, 5, 0.25);
-  for (const int neighbours : {9, 10, 11, 13, 14, 16}) {
+  for (const int neighbours : {6, 8, 9, 10, 11, 13, 14, 16}) {
     SCOPED_TRACE(neighbours);
     Progress silent;
     SampleOptions options;

@@ -133,7 +133,7 @@ NoiseEstimate estimate_noise(const PointCloud& cloud, const NoiseOptions& option
   const Index probes =
       std::clamp<Index>(cloud.size() / kSamplesPerProbe, 1, std::max<Index>(options.probes, 1));
   const Index stride = std::max<Index>(cloud.size() / probes, 1);
-  int neighbours = cloud.neighbour_count;
+  int neighbours = std::max(cloud.neighbour_count, kLeastNeighbours);
   NoiseEstimate noise = estimate_with(cloud, stride, neighbours, progress);
   for (int round = 0; round < kMostRounds; ++round) {
     const double needed = kNeighboursPerSquaredNoise * noise.median * noise.median / kNarrowPart;
