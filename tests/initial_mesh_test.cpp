@@ -151,6 +151,17 @@ TEST(InitialMesh, ClumpsOfStrayPointsAreNoBodies) {
 }
 
 // Of many small bodies one has twice as many samples: the others are no debris of it.
+TEST(InitialMesh, TheSmallestBodyMayBeOfMoreThanAHundredthOfTheSamples) {
+  std::vector<Vec3> points = sample_shape_blue_noise(ShapeKind::sphere, 4000, 9);
+  for (const Vec3& p : sample_shape_blue_noise(ShapeKind::sphere, 160, 10))
+    points.push_back(0.2 * p + Vec3(2.0, 0.0, 0.0));
+  const PointCloud samples = oriented_cloud(points);
+  InitialMeshOptions options;
+  EXPECT_EQ(initial_mesh_of(samples, options).report.dropped, 0);
+  options.min_component_samples = 250;
+  EXPECT_EQ(initial_mesh_of(samples, options).report.dropped, 1);
+}
+
 TEST(InitialMesh, SmallBodiesStayWhereAllAreSmall) {
   constexpr Index kBodies = 400;
   std::vector<Vec3> points;

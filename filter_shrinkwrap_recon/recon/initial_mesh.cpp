@@ -90,6 +90,13 @@ Index typical_support(std::vector<Index> support) {
   return 0;
 }
 
+// How many samples must support a component: of a small cloud a hundredth of all is enough, unless
+// more than usual were asked for.
+Index least_support(Index samples, Index asked_for) {
+  if (asked_for > InitialMeshOptions().min_component_samples) return asked_for;
+  return std::min(asked_for, std::max<Index>(samples / 100, 4));
+}
+
 // Which components at least `min_samples` samples support, each sample the one that is nearest to
 // it, or a quarter of what is typical where all are small; always the best supported.
 std::vector<char> find_supported(const SurfaceMesh& mesh, const MeshComponents& components,
@@ -159,7 +166,7 @@ InitialMesh solid_boundary(const PointCloud& cloud, const WindingNumber& winding
     result.report.genus -= result.report.false_handles;
   };
   progress.set_range(0.6, 0.7);
-  take_boundary(std::clamp<Index>(cloud.size() / 100, 4, options.min_component_samples));
+  take_boundary(least_support(cloud.size(), options.min_component_samples));
   result.report.samples_with_solid_behind = fraction_with_solid_behind(cloud, solid, progress);
   if (result.mesh.face_count() == 0) {
     solid.image.mask = solid.near_samples;
