@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "bounding_box_start.h"
 #include "coordinate_matches.h"
 #include "filter_log.h"
 #include "memory_estimate.h"
@@ -489,11 +490,15 @@ FilterOutcome run_filter(Filter filter, const FilterRequest& request, const Filt
   const bool needs_faces = needs_mesh && filter != Filter::distance_to_samples;
   if (needs_faces && input.mesh.triangles.empty()) throw InvalidInput(no_mesh);
 
-  // A control mesh becomes up to 16 times as large, but no more than 3 times the samples; other
-  // stages keep the size of theirs. The whole method looks for itself.
+  // A control mesh becomes up to 16 times as large, but no more than 3 times the samples; the box
+  // of the paper's start as large as it is asked to; other stages keep the size of theirs. The
+  // whole method looks for itself.
   const std::uint64_t samples = input.points.size(), vertices = input.mesh.position.size();
-  const std::uint64_t subdivided =
-      filter == Filter::parametric_surface ? std::min(16 * vertices, 3 * samples) : 0;
+  const std::uint64_t subdivided = filter == Filter::parametric_surface
+                                       ? std::min(16 * vertices, 3 * samples)
+                                   : filter == Filter::initial_mesh && !is_robust(request.options)
+                                       ? vertices_after(request.options.initial_mesh.levels)
+                                       : 0;
   if (filter != Filter::reconstruct && filter != Filter::distance_to_samples)
     require_memory_for(std::max({samples, vertices, subdivided}), request.options.memory_limit,
                        request.options.samples.neighbours);

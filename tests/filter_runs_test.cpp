@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "filter_outcomes.h"
+#include "memory_estimate.h"
 #include "shapes.h"
 
 namespace {
@@ -453,6 +454,12 @@ TEST(FilterRuns, StagesRefuseWhatDoesNotFitOrIsNotFinite) {
   request.options.memory_limit = 1 << 20;
   Progress silent;
   EXPECT_THROW(run_filter(Filter::control_mesh, request, initial, silent), InvalidInput);
+  ParameterValues large_box = default_values(Filter::initial_mesh);
+  large_box["Method"] = 1;
+  large_box["BoxLevels"] = 8;  // 393,218 vertices
+  request = request_of(Filter::initial_mesh, large_box);
+  request.options.memory_limit = estimated_peak_bytes(100000);
+  EXPECT_THROW(run_filter(Filter::initial_mesh, request, input, silent), InvalidInput);
 
   // As the wrong layer would have it: a mesh that is fine already.
   const FilterInput finished = through_layer(input.points, run(Filter::reconstruct, input));

@@ -46,6 +46,10 @@ TEST(MemoryEstimate, RefusalTellsBothFiguresAndARemedy) {
   } catch (const InvalidInput& refusal) {
     const std::string text = refusal.what();
     EXPECT_NE(text.find("2000000000 points"), std::string::npos) << text;
+    EXPECT_NE(
+        text.find(" " + std::to_string(estimated_peak_bytes(2'000'000'000) / kGibibyte) + "."),
+        std::string::npos)
+        << text;
     EXPECT_NE(text.find("4.0 GiB"), std::string::npos) << text;
     EXPECT_NE(text.find("thin"), std::string::npos) << text;
   }

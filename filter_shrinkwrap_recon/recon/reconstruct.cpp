@@ -219,7 +219,9 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   require_memory_for((options.keep_stages ? 2 : 1) * size, options.memory_limit,
                      options.samples.neighbours);
   options.host_scalar = host_scalar_for(points, options);
-  options.samples.memory_limit = options.memory_limit;
+  // What is free now: by the time the samples are looked at, they take some of it.
+  options.samples.memory_limit =
+      options.memory_limit > 0 ? options.memory_limit : available_bytes();
   PointCloud cloud = prepare_samples(points, options.samples, progress);
   result.conditioning = cloud.conditioning;
   log.add(Stage::samples, cloud.size());
