@@ -429,9 +429,12 @@ class OpeningCloser {
         ears_.push_back({diagonal.squaredNorm(), h, mesh_.target(h)});
       }
       std::sort(ears_.begin(), ears_.end());
+      std::size_t valence = ears_.size();
       for (const auto& [length, h, corner] : ears_)
-        if (mesh_.origin(h) == v && mesh_.target(h) == corner && mesh_.valence(v) > 3)
-          has_clipped = try_flip(h) || has_clipped;
+        if (valence > 3 && mesh_.origin(h) == v && mesh_.target(h) == corner && try_flip(h)) {
+          has_clipped = true;
+          --valence;
+        }
     }
   }
 

@@ -23,7 +23,8 @@ constexpr int kLeastSamples = 2 * kCoefficients;
 // Neighbourhoods are bounded, so that no sample looks at all the others: their radius does not grow
 // for more noise than this (in spacings), nor for a spacing beyond so many times the median.
 constexpr double kGreatestNoise = 1.0, kGreatestSpacing = 4.0;
-// Nor are more samples looked at, where all are closer than any spacing.
+// Nor are more samples looked at, as beside samples far denser than around the own one: smaller
+// neighbourhoods must do there.
 constexpr Index kMostLooks = 4096;
 // Variances of height and slopes for noise of 1, of a fit that says nothing (samples in a line).
 constexpr double kGreatestVariance = 4.0;
@@ -170,6 +171,15 @@ class Denoiser {
   // as high above and below the sample as it is wide.
   std::array<Moments, kMostSizes> rings_at(Index sample, const Axes& axes, int sizes) const {
     std::array<Moments, kMostSizes> rings;
+    while (!find_rings(sample, axes, sizes, rings) && sizes > 1) {
+      rings = {};
+      --sizes;
+    }
+    return rings;
+  }
+  // Returns false, with part of the samples, if there are too many.
+  bool find_rings(Index sample, const Axes& axes, int sizes,
+                  std::array<Moments, kMostSizes>& rings) const {
     const double largest = squared_radius_[sizes - 1];
     const auto& points = cloud_.search.ordered_points();
     const double reach = std::sqrt(2.0 * largest) / axes.scale;
@@ -189,7 +199,7 @@ class Denoiser {
       }
       return looks_left > 0;
     });
-    return rings;
+    return looks_left > 0;
   }
 
   // Of the smallest neighbourhood, in lengths of the cloud.

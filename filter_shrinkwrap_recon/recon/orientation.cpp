@@ -168,6 +168,7 @@ class ComponentSigns {
       const Index component = forest_.component_of_sample[i];
       if (!waiting_[component]) continue;
       if (passed[component]++ % (size_[component] / kProbes + 1) != 0) continue;
+      progress_.update(1.0);
       sum[component] += winding.at(cloud_.position[i]);
       ++probed[component];
     }

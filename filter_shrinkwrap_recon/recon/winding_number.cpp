@@ -127,7 +127,12 @@ class WindingNumber::Builder {
       range.centre += area * dipole_[i].position.cast<double>();
       total += area;
     }
-    if (total > 0.0) range.centre /= total;
+    if (total > 0.0) {
+      range.centre /= total;
+    } else {  // all samples count as none
+      for (Index i = begin; i < end; ++i)
+        range.centre += dipole_[i].position.cast<double>() / (end - begin);
+    }
     for (Index i = begin; i < end; ++i) {
       const Vec3 moment = dipole_[i].moment.cast<double>();
       range.dipole += moment;
