@@ -234,6 +234,29 @@ TEST(VcgAdapters, SamplesKeepWhatTheyCarry) {
   EXPECT_NEAR(mesh.vert[0].N().Norm(), 1.0f, 1e-5f);
 }
 
+TEST(VcgAdapters, NothingIsLeftOfWhatWasInTheMesh) {
+  const SurfaceMesh sphere = shrinkwrap::testing::icosphere(1);
+  DoubleMesh cloud;
+  fill(cloud, sphere.position);
+  const VcgPoints points = points_from_vcg(cloud, false);
+  ResultMesh result;
+  result.position = sphere.position;
+  result.triangles = sphere.triangles();
+  result.input_index.assign(result.position.size(), kNone);
+
+  DoubleMesh mesh;
+  fill(mesh, sphere.position);
+  vcg::tri::Allocator<DoubleMesh>::AddFaces(mesh, result.triangles.size());
+  mesh.vert.EnableRadius();
+  mesh.face.EnableQuality();
+  for (auto& vertex : mesh.vert) vertex.R() = 7.0f;
+  for (auto& face : mesh.face) face.Q() = 7.0f;
+  mesh_to_vcg(result, cloud, points, mesh);
+  ASSERT_EQ(mesh.VN(), static_cast<int>(result.position.size()));
+  for (const auto& vertex : mesh.vert) EXPECT_NE(vertex.cR(), 7.0f);
+  for (const auto& face : mesh.face) EXPECT_NE(face.cQ(), 7.0f);
+}
+
 // A tetrahedron with its corner at the origin, the first face in the plane z = 0.
 template <class Mesh>
 void reconstruct_corner(Mesh& mesh) {

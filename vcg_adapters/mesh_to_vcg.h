@@ -63,6 +63,9 @@ void mesh_to_vcg(const ResultMesh& result, const CloudMesh& cloud, const VcgPoin
   using Scalar = typename Mesh::ScalarType;
 
   mesh.Clear();
+  // Optional components would keep their values.
+  mesh.vert.resize(0);
+  mesh.face.resize(0);
   vcg::tri::Allocator<Mesh>::AddVertices(mesh, result.position.size());
   vcg::tri::Allocator<Mesh>::AddFaces(mesh, result.triangles.size());
 
