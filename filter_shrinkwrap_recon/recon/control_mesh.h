@@ -20,7 +20,9 @@ struct ControlMeshOptions {
 struct ControlMeshReport {
   Index vertices_before = 0;
   Index target_vertices = 0;
-  Index vertices = 0;  ///< above the target only if no legal contraction was left
+  /// Above the target only where contractions were refused. One that was is tried again only if its
+  /// edge has changed.
+  Index vertices = 0;
 };
 
 struct ControlMesh {

@@ -9,8 +9,8 @@
 namespace shrinkwrap {
 
 /// About 1 inside, 0 outside; across an opening it falls smoothly. Dipoles with their first
-/// derivative in a tree over the Morton order of the samples; the area of a sample is s_i^2;
-/// distances are softened by 0.5 s. Single precision: a
+/// derivative in a tree over the Morton order of the samples; the area of a sample is s_i^2,
+/// with s_i of 4 median spacings at most; distances are softened by 0.5 s. Single precision: a
 /// decision between inside and outside needs no more. Immutable after construction, thread-safe.
 class WindingNumber {
  public:
