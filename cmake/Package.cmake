@@ -43,6 +43,14 @@ install(FILES cmake/package/copyright README.md ${package_documents}/changelog.g
 install(FILES sample_clouds/reconstruct.mlx DESTINATION ${document_destination}/examples)
 
 # --- the Debian package --------------------------------------------------------------------------------------------
+# Without these CPack fails, or leaves the libraries out of what the package depends on: said while there is time.
+foreach(tool file dpkg-shlibdeps)
+  find_program(SHRINKWRAP_TOOL_${tool} ${tool})
+  mark_as_advanced(SHRINKWRAP_TOOL_${tool})
+  if(NOT SHRINKWRAP_TOOL_${tool})
+    message(STATUS "${tool} is missing: no Debian package can be made (apt-get install dpkg-dev file)")
+  endif()
+endforeach()
 set(CPACK_VERBATIM_VARIABLES ON)  # there are quotes in the description
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME ${package_name})

@@ -2,8 +2,10 @@
 # shellcheck shell=sh disable=SC2034  # what is set here is used there
 
 build=${SHRINKWRAP_BUILD_DIR:-$root/build}
+case $build in /*) ;; *) build=$PWD/$build ;; esac
 host_packages="g++ cmake make qtbase5-dev libqt5opengl5-dev libglew-dev libeigen3-dev libtbb-dev libcgal-dev xz-utils meshlab xvfb xauth"
 test_packages="libgtest-dev python3"
+package_tools="dpkg-dev file"
 
 say() { printf '%s\n' "$*" >&2; }
 die() {

@@ -125,7 +125,7 @@ while [ "$left" -gt 0 ]; do
           ;;
         --threads)
           whole_number --threads "$value"
-          edit_parameter Threads "$value"
+          set_parameter "Threads=$value"
           ;;
         --set) set_parameter "$value" ;;
       esac
@@ -265,10 +265,11 @@ saving_options() { # cloud, its ending, the mesh's ending
   case $attributes in *[a-z]*) printf '%s\n' "-m $attributes" ;; esac
 }
 
-# Runs a command in a process group of its own, so that it can be stopped with all that it started.
+# Runs a command in a process group of its own, so that it can be stopped with all that it started; not at all if `stop`
+# has looked for groups already.
 in_own_group() { # folder that gets the file `group`, command...
   # shellcheck disable=SC2016  # for the inner shell
-  setsid -w sh -c 'echo $$ >"$0/group"; exec "$@"' "$@"
+  setsid -w sh -c 'echo $$ >"$0/group"; [ ! -e "${0%/*}/stopped" ] || exit 143; exec "$@"' "$@"
 }
 
 # reconstruct INPUT TARGET FOLDER: writes TARGET only if all went well; FOLDER gets `log`, and `status`, one line.
@@ -300,7 +301,7 @@ reconstruct() {
   link=$job/cloud.$input_ending mesh=$job/mesh.$target_ending
   case $input in /*) ln -s "$input" "$link" ;; *) ln -s "$PWD/$input" "$link" ;; esac
 
-  code=0 options=$(saving_options "$link" "$input_ending" "$target_ending")
+  code=0 begun=$(date +%s) options=$(saving_options "$link" "$input_ending" "$target_ending")
   # shellcheck disable=SC2086  # options are words
   (cd "$job" && HOME=$work TMPDIR=$job in_own_group "$job" timeout -k 5 "$time_limit" xvfb-run -a \
     "$build/stage/bin/meshlabserver" -l "$job/host.log" -i "$link" -o "$mesh" $options -s "$work/script.mlx") \
@@ -317,8 +318,11 @@ reconstruct() {
     give_up "stopped"
   elif [ -n "$reason" ]; then
     give_up "$reason"
-  elif [ "$time_limit" -gt 0 ] && { [ "$code" -eq 124 ] || [ "$code" -eq 137 ]; }; then
+  elif [ "$time_limit" -gt 0 ] && [ "$(($(date +%s) - begun))" -ge "$time_limit" ] &&
+    { [ "$code" -eq 124 ] || [ "$code" -eq 137 ]; }; then
     give_up "not done after $time_limit s"
+  elif [ "$code" -eq 137 ]; then
+    give_up "MeshLab was killed: for want of memory?"
   elif [ "$code" -gt 128 ] && [ "$code" -lt 192 ]; then
     when=
     grep -q " loaded has " "$job/host.log" || when=" while reading it: is it a point cloud, and whole?"
@@ -363,7 +367,7 @@ show() { # number of the input
 is_taken() { # target, inputs...
   taken=$1
   shift
-  key=$(printf '%s' "$taken" | tr '\n' '\001')
+  key=$(realpath -m -- "$taken" | tr '\n' '\001')
   if grep -qFx -e "$key" "$work/targets"; then
     reason="another input is written to the same name, $taken"
     return 0

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs every test: sh tests/run.sh [ctest options]
+# Runs the tests, but for two that are run by hand (README.md): sh tests/run.sh [ctest options]
 #
 # Installs what is missing (apt, with sudo when not root), fetches MeshLab's headers, builds, and runs the unit tests
 # and the tests on the real MeshLab.

@@ -47,12 +47,15 @@ def as_float(x):
     return struct.unpack("f", struct.pack("f", x))[0]
 
 
-def write_ply(path, points, faces=(), colours=None, qualities=None, colour_name="", quality_name="quality"):
+def write_ply(path, points, faces=(), colours=None, qualities=None, colour_name="", quality_name="quality",
+              intensities=None):
     """A binary PLY, bit for bit. `colour_name` is what stands before red, green and blue."""
     header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(points)}"]
     header += [f"property float {axis}" for axis in "xyz"]
     if colours:
         header += [f"property uchar {colour_name}{channel}" for channel in ("red", "green", "blue")]
+    if intensities:
+        header.append("property uchar intensity")
     if qualities:
         header.append(f"property float {quality_name}")
     if faces:
@@ -63,6 +66,8 @@ def write_ply(path, points, faces=(), colours=None, qualities=None, colour_name=
             file.write(struct.pack("<3f", *point))
             if colours:
                 file.write(bytes(colours[i]))
+            if intensities:
+                file.write(bytes([intensities[i]]))
             if qualities:
                 file.write(struct.pack("<f", qualities[i]))
         for face in faces:

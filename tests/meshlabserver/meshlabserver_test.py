@@ -189,7 +189,7 @@ class OneShotFailures(HostTest):
         write_ply(self.cloud, sphere(500))
         self.fails("selected", ONE_SHOT, ("SelectedOnly", "true"))
 
-    def test_a_failing_filter_stops_the_script_and_keeps_no_stale_log(self):
+    def test_a_failing_filter_stops_the_script(self):
         write_ply(self.cloud, sphere(500))
         self.fails("Level", SCRIPTS / "checked_reconstruction.mlx", ("Level", 9))
 

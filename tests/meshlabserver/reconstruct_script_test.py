@@ -80,13 +80,36 @@ class ReconstructScript(ScriptTest):
         self.assertEqual(self.call("a.ply", "--surface", "--threads", "1", "-o", "surface.obj"), 0, self.text)
         self.assertTrue((self.folder / "surface.obj").stat().st_size > 0)
         self.assertNotIn("complete matching", self.text)
+        self.assertEqual(self.call("a.ply", "--paper"), 0, self.text)
+        self.assertEqual(check(CHECKER, self.folder / "a_shrink_wrap.ply", self.folder / "a.ply")["complete"], 1)
+        self.assertIn("As in the paper", self.text)
+        self.cloud("open.ply", sphere(2000, keep=lambda p: p[2] < 0.3))
+        self.assertEqual(self.call("open.ply", "--leave-open"), 0, self.text)
+        self.assertIn("open (1 border)", self.text)
+
+    def test_a_limit_of_time(self):
+        self.cloud("small.ply", sphere(600))
+        self.cloud("large.ply", torus(400000))
+        self.assertEqual(self.call("large.ply", "--time-limit", "1"), 1, self.text)
+        self.assertIn("large.ply: not done after 1 s", self.text)
+        self.assertFalse((self.folder / "large_shrink_wrap.ply").exists())
+        self.assertEqual(self.call("small.ply", "--time-limit", "300"), 0, self.text)
+
+    def test_a_killed_host_is_not_taken_for_a_late_one(self):
+        self.cloud("a.ply", sphere(600))
+        programs = self.folder / "programs"
+        programs.mkdir()
+        (programs / "xvfb-run").write_text("#!/bin/sh\nkill -9 $$\n")
+        (programs / "xvfb-run").chmod(0o755)
+        self.assertEqual(self.call("a.ply", "--time-limit", "300", PATH=f"{programs}:{os.environ['PATH']}"), 1, self.text)
+        self.assertIn("a.ply: MeshLab was killed", self.text)
 
     def test_a_stale_output_does_not_survive_a_failure(self):
         self.cloud("a.ply", sphere(3))
         stale = self.folder / "mesh.ply"
         stale.write_text("of yesterday")
         self.assertEqual(self.call("a.ply", "-o", "mesh.ply"), 1, self.text)
-        self.assertIn("4", self.text)
+        self.assertIn("at least 4", self.text)
         self.assertFalse(stale.exists())
 
     def test_a_stale_output_does_not_survive_its_input(self):
@@ -146,6 +169,10 @@ class ReconstructScript(ScriptTest):
         """Under every name by which MeshLab reads them."""
         points = sphere(600)
         qualities = [as_float(0.5 + i) for i in range(600)]
+        write_ply(self.folder / "grey.ply", points, intensities=[i % 256 for i in range(600)])
+        self.assertEqual(self.call("grey.ply"), 0, self.text)
+        vertices, _ = read_ply(self.folder / "grey_shrink_wrap.ply")
+        self.assertEqual([(v["red"], v["blue"]) for v in vertices], [(i % 256, i % 256) for i in range(600)])
         for colour_name, quality_name in (("", "quality"), ("diffuse_", "confidence")):
             with self.subTest(quality_name=quality_name):
                 write_ply(self.folder / "a.ply", points, colours=[(i % 256, 3, 7) for i in range(600)],
@@ -241,11 +268,22 @@ class ReconstructScript(ScriptTest):
             self.cloud(f"{name}/a.ply", sphere(600))
         self.assertEqual(self.call("one/a.ply", "two/a.ply", "-o", "out"), 1, self.text)
         self.assertIn("1 of 2 reconstructed", self.text)
+        # Whatever way its folder is written.
+        shutil.copy(self.folder / "one" / "a.ply", self.folder / "one" / "a.PLY")
+        self.assertEqual(self.call("one/a.ply", "./one/../one/a.PLY"), 1, self.text)
+        self.assertIn("1 of 2 reconstructed", self.text)
+        self.assertIn("written to the same name", self.text)
 
     def test_wrong_calls(self):
-        for arguments in (["--unknown"], ["-o"], ["-j", "0"], ["-j", "many"], ["--threads", "x"], ["--time-limit", "-1"]):
+        self.cloud("a.ply", sphere(600))
+        for arguments, told in ((["--unknown"], "unknown option --unknown"), (["-o"], "-o needs a value"),
+                                (["-o", ""], "-o needs a name"), (["-j", "0"], "-j needs 1 or more"),
+                                (["-j", "many"], "-j needs a whole number"), (["--threads", "x"], "--threads needs a whole number"),
+                                (["--threads", "99999999999"], "Threads needs a whole number"),
+                                (["--time-limit", "-1"], "--time-limit needs a whole number")):
             with self.subTest(arguments=arguments):
-                self.assertNotEqual(self.call(*arguments), 0)
+                self.assertEqual(self.call("a.ply", *arguments), 1, self.text)
+                self.assertIn(told, self.text)
 
     def test_wrong_settings(self):
         for setting, told in (("Opening=1", "no parameter 'Opening'"), ("openings=1", "no parameter 'openings'"),

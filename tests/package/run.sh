@@ -24,7 +24,7 @@ trap 'exit 130' HUP INT TERM
 export DEBFULLNAME="Test of the package" DEBEMAIL=package-test@example.org
 
 # shellcheck disable=SC2086  # a list of words
-require_packages $host_packages dpkg-dev
+require_packages $host_packages $package_tools
 configure "$build" -DSHRINKWRAP_BUILD_PLUGIN=ON -U CMAKE_INSTALL_PREFIX # the default, whatever the folder was configured with
 compile "$build"
 
