@@ -194,18 +194,11 @@ TEST(Retiling, KeepsVerticesWithoutWhichThereIsNoManifold) {
     const std::vector<Vec3> second = testing::sample_shape(ShapeKind::sphere, 50, 9);
     for (Index i = 0; i < others; ++i) points.push_back(second[i] + Vec3(5, 0, 0));
     const PointCloud cloud = oriented_cloud(points);
-    SurfaceMesh one = testing::icosphere(2);
-    std::vector<Vec3> positions = one.position;
-    std::vector<Triangle> triangles = one.triangles();
-    for (const Vec3& p : one.position) positions.push_back(p + Vec3(5, 0, 0));
-    for (Triangle t : one.triangles()) {
-      for (Index& v : t) v += one.vertex_slots();
-      triangles.push_back(t);
-    }
+    const SurfaceMesh one = testing::icosphere(2);
     CompleteMatchingOptions options;
     options.membrane_low = options.membrane_high = 1e9;
     const CompleteMatching matching =
-        match(cloud, SurfaceMesh::from_triangles(positions, triangles), options);
+        match(cloud, testing::joined({one, testing::placed(one, 1.0, Vec3(5, 0, 0))}), options);
     expect_closed_manifold(matching.mesh, others == 0 ? 1 : 2, 0);
     expect_complete_matching(matching, cloud);
     EXPECT_EQ(matching.report.extra_vertices, others == 0 ? 0 : std::max(0, 4 - others));

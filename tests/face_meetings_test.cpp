@@ -120,17 +120,13 @@ TEST(FaceMeetings, KeepNoMorePairsThanTheMeshHasRoomForButCountAllFaces) {
   Random random(4);
   SurfaceMesh heap = icosphere(3);
   for (Vec3& p : heap.position) p = random.in_cube();
-  const SurfaceMesh sphere = shaken_sphere(random);
-  std::vector<Vec3> positions = heap.position;
-  std::vector<Triangle> triangles = heap.triangles();
-  const Index first = heap.vertex_slots(), heap_faces = heap.face_slots();
-  for (const Vec3& p : sphere.position) positions.push_back(p + Vec3(4.0, 0.0, 0.0));
-  for (const Triangle& t : sphere.triangles())
-    triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-  const SurfaceMesh mesh = SurfaceMesh::from_triangles(positions, triangles);
+  const Index heap_faces = heap.face_slots();
+  const SurfaceMesh mesh =
+      testing::joined({heap, testing::placed(shaken_sphere(random), 1.0, Vec3(4.0, 0.0, 0.0))});
   const Pairs all = found_anew(mesh);
   const std::size_t bound =
-      std::max(FaceMeetings::kPairsPerFace * triangles.size(), FaceMeetings::kLeastPairs);
+      std::max(FaceMeetings::kPairsPerFace * static_cast<std::size_t>(mesh.face_slots()),
+               FaceMeetings::kLeastPairs);
   ASSERT_GT(all.size(), 2 * bound);
 
   Pairs pairs[2];

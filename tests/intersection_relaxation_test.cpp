@@ -126,20 +126,10 @@ TEST(IntersectionRelaxation, RepairsWhatSmoothingLeaves) {
 // Two small bodies through each other all over, beside a torus that can be mended: smoothed as a
 // whole they would shrink to points.
 TEST(IntersectionRelaxation, LeavesWholeBodiesAlone) {
-  const SurfaceMesh torus = shaken_torus(0.2), ball = icosphere(0);
-  std::vector<Vec3> position = torus.position;
-  std::vector<Triangle> triangles = torus.triangles();
-  for (const double turn : {0.0, 0.3}) {
-    const Eigen::AngleAxisd turned(turn, Vec3(1.0, 2.0, 3.0).normalized());
-    const Index first = static_cast<Index>(position.size());
-    for (const Vec3& p : ball.position)
-      position.push_back(0.1 * (turned * p) + Vec3(5.0, 0.0, 0.0));
-    for (Triangle t : ball.triangles()) {
-      for (Index& v : t) v += first;
-      triangles.push_back(t);
-    }
-  }
-  SurfaceMesh mesh = SurfaceMesh::from_triangles(std::move(position), triangles);
+  const SurfaceMesh ball = placed(icosphere(0), 0.1, Vec3(5.0, 0.0, 0.0));
+  SurfaceMesh turned = icosphere(0);
+  for (Vec3& p : turned.position) p = Eigen::AngleAxisd(0.3, Vec3(1.0, 2.0, 3.0).normalized()) * p;
+  SurfaceMesh mesh = joined({shaken_torus(0.2), ball, placed(turned, 0.1, Vec3(5.0, 0.0, 0.0))});
   const SurfaceMesh before = mesh;
   RelaxationOptions options;
   options.repair.enabled = false;

@@ -17,12 +17,6 @@ namespace {
 using namespace shrinkwrap;
 using namespace shrinkwrap::testing;
 
-std::vector<Vec3> noisy(ShapeKind kind, Index count, unsigned seed, double noise) {
-  SampleDefects defects;
-  defects.noise = noise;
-  return sample_shape(kind, count, seed, defects);
-}
-
 // The vertices of a mesh of a cube with edges 2, with noise: edges are sampled.
 std::vector<Vec3> cube(int cells, unsigned seed, double noise) {
   Random random(seed);
@@ -86,7 +80,7 @@ TEST(SamplesOnSurface, WithoutNoiseNoneMoves) {
 }
 
 TEST(SamplesOnSurface, AllMoveOntoASurfaceThatNoiseExplains) {
-  const Fitted fitted(noisy(ShapeKind::sphere, 400, 1, 0.25), 0.25);
+  const Fitted fitted(sample_noisy_shape(ShapeKind::sphere, 400, 1, 0.25), 0.25);
   const SamplesOnSurface samples = fitted.move(0.25);
   EXPECT_GT(samples.upper_fifth, 0.0);
   EXPECT_LT(samples.upper_fifth, 0.25);
@@ -117,7 +111,7 @@ TEST(SamplesOnSurface, SamplesStayWhereTheSurfaceMissesDetail) {
 }
 
 TEST(SamplesOnSurface, SameForAnyNumberOfThreads) {
-  const Fitted fitted(noisy(ShapeKind::double_torus, 5000, 1, 0.1), 0.1);
+  const Fitted fitted(sample_noisy_shape(ShapeKind::double_torus, 5000, 1, 0.1), 0.1);
   const auto with_threads = [&](int threads) {
     return tbb::task_arena(threads).execute([&] { return fitted.move(0.1).position; });
   };
@@ -172,7 +166,7 @@ TEST(SamplesOnSurface, ARunThatStopsKeepsDetailThatTheSurfaceMisses) {
 TEST(SamplesOnSurface, ASurfaceThatShowsAllIsTheResult) {
   for (const double noise : {0.0, 0.3}) {
     SCOPED_TRACE(noise);
-    const Reconstruction result = stopped(noisy(ShapeKind::torus, 4000, 1, noise));
+    const Reconstruction result = stopped(sample_noisy_shape(ShapeKind::torus, 4000, 1, noise));
     EXPECT_FALSE(result.surface_detail.is_kept);
     EXPECT_GT(result.surface_detail.upper_fifth, 0.0);
     EXPECT_GT(result.surface_detail.upper_twentieth, result.surface_detail.upper_fifth);

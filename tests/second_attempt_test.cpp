@@ -103,6 +103,15 @@ TEST(SecondAttempt, LeavesTheFirstIfItCannotBeFinished) {
   }
 }
 
+TEST(SecondAttempt, LeavesTheFirstIfItBreaksThePromise) {
+  Reconstruction second = with_faults({});
+  second.mesh.triangles.push_back(second.mesh.triangles.front());
+  const Outcome outcome = after(with_faults({5, 5, 0}), second);
+  EXPECT_FALSE(outcome.attempt.is_finished);
+  EXPECT_FALSE(outcome.attempt.is_taken);
+  EXPECT_EQ(outcome.kept.mesh.triangles.size() + 1, second.mesh.triangles.size());
+}
+
 TEST(SecondAttempt, TimesAreThoseOfBoth) {
   Reconstruction first = with_faults({5, 5, 0}), second = with_faults({});
   const auto row = [](const char* name, double seconds) {

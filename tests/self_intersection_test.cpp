@@ -15,7 +15,10 @@
 namespace shrinkwrap {
 namespace {
 
+using testing::crossing_spheres;
 using testing::icosphere;
+using testing::joined;
+using testing::placed;
 using testing::Random;
 using testing::torus_mesh;
 using Pair = std::pair<Index, Index>;
@@ -224,20 +227,11 @@ std::vector<Pair> all_pairs(const std::vector<Vec3>& positions,
 struct Mesh {
   std::vector<Vec3> positions;
   std::vector<Triangle> triangles;
-
-  void add(const SurfaceMesh& mesh, const Vec3& shift) {
-    const Index first = static_cast<Index>(positions.size());
-    for (const Vec3& p : mesh.position) positions.push_back(p + shift);
-    for (const Triangle& t : mesh.triangles())
-      triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-  }
 };
 
 Mesh two_spheres_that_cut() {
-  Mesh mesh;
-  mesh.add(icosphere(3), Vec3::Zero());
-  mesh.add(icosphere(3), Vec3(0.9, 0.3, 0.2));
-  return mesh;
+  const SurfaceMesh mesh = crossing_spheres(3);
+  return {mesh.position, mesh.triangles()};
 }
 
 TEST(SelfIntersection, NoneInAGoodMesh) {
@@ -310,8 +304,10 @@ TEST(SelfIntersection, SameForAnyScaleAndPlace) {
 }
 
 TEST(SelfIntersection, SameForAnyNumberOfThreads) {
-  Mesh mesh;
-  for (int i = 0; i < 4; ++i) mesh.add(icosphere(4), Vec3(0.5 * i, 0.1 * i, 0.0));
+  std::vector<SurfaceMesh> spheres;
+  for (int i = 0; i < 4; ++i) spheres.push_back(placed(icosphere(4), 1.0, {0.5 * i, 0.1 * i, 0.0}));
+  const SurfaceMesh all = joined(spheres);
+  const Mesh mesh = {all.position, all.triangles()};
   const auto run = [&](std::size_t threads) {
     tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
     Progress progress;

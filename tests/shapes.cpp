@@ -467,17 +467,26 @@ SurfaceMesh icosphere(int subdivisions) {
   return SurfaceMesh::from_triangles(std::move(position), faces);
 }
 
-SurfaceMesh crossing_spheres(int subdivisions) {
-  const SurfaceMesh sphere = icosphere(subdivisions);
+SurfaceMesh placed(SurfaceMesh mesh, double scale, const Vec3& shift) {
+  for (Vec3& p : mesh.position) p = scale * p + shift;
+  return mesh;
+}
+
+SurfaceMesh joined(const std::vector<SurfaceMesh>& meshes) {
   std::vector<Vec3> positions;
   std::vector<Triangle> triangles;
-  for (const Vec3& centre : {Vec3(0, 0, 0), Vec3(0.9, 0.3, 0.2)}) {
+  for (const SurfaceMesh& mesh : meshes) {
     const Index first = static_cast<Index>(positions.size());
-    for (const Vec3& p : sphere.position) positions.push_back(p + centre);
-    for (const Triangle& t : sphere.triangles())
+    positions.insert(positions.end(), mesh.position.begin(), mesh.position.end());
+    for (const Triangle& t : mesh.triangles())
       triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   }
   return SurfaceMesh::from_triangles(positions, triangles);
+}
+
+SurfaceMesh crossing_spheres(int subdivisions) {
+  const SurfaceMesh sphere = icosphere(subdivisions);
+  return joined({sphere, placed(sphere, 1.0, Vec3(0.9, 0.3, 0.2))});
 }
 
 SurfaceMesh in_frame(SurfaceMesh mesh, const Frame& frame) {

@@ -134,7 +134,11 @@ std::vector<Vec3> sample_spiked_ball(Index count, double finer = 10.0);
 /// The unit sphere as an icosahedron whose faces were split into four `subdivisions` times:
 /// 10 * 4^subdivisions + 2 vertices.
 SurfaceMesh icosphere(int subdivisions);
-/// Two of them of which one cuts the other.
+/// `scale` times as large, then moved.
+SurfaceMesh placed(SurfaceMesh mesh, double scale, const Vec3& shift);
+/// Meshes as one: its vertices and faces are theirs in turn.
+SurfaceMesh joined(const std::vector<SurfaceMesh>& meshes);
+/// Two unit spheres of which one cuts the other.
 SurfaceMesh crossing_spheres(int subdivisions);
 /// A mesh of the frame of the input in that of the samples.
 SurfaceMesh in_frame(SurfaceMesh mesh, const Frame& frame);

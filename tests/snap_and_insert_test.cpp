@@ -141,15 +141,7 @@ TEST(SnapAndInsert, KeepsVerticesThatTheTopologyNeeds) {
 // A sphere far inside the samples wins none of them.
 TEST(SnapAndInsert, DropsComponentsWithoutSamples) {
   const PointCloud samples = prepare(sample_shape(ShapeKind::sphere, 400, 10));
-  const SurfaceMesh outer = icosphere(3), inner = icosphere(1);
-  std::vector<Vec3> position = outer.position;
-  std::vector<Triangle> triangles = outer.triangles();
-  for (const Vec3& p : inner.position) position.push_back(0.3 * p);
-  for (Triangle t : inner.triangles()) {
-    for (Index& v : t) v += outer.vertex_count();
-    triangles.push_back(t);
-  }
-  const SurfaceMesh both = SurfaceMesh::from_triangles(std::move(position), triangles);
+  const SurfaceMesh both = joined({icosphere(3), placed(icosphere(1), 0.3, Vec3::Zero())});
   expect_matched(match(in_frame(both, samples.frame), samples), samples, 0);
 }
 

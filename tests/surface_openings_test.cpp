@@ -58,23 +58,8 @@ OpenScan open_sphere(double z = 0.5) {
   return OpenScan(icosphere(4), [z](const Vec3& p) { return p.z() > z; });
 }
 
-// Bodies side by side.
-SurfaceMesh joined(const std::vector<SurfaceMesh>& meshes) {
-  std::vector<Vec3> positions;
-  std::vector<Triangle> triangles;
-  for (const SurfaceMesh& mesh : meshes) {
-    const Index first = static_cast<Index>(positions.size());
-    positions.insert(positions.end(), mesh.position.begin(), mesh.position.end());
-    for (const Triangle& t : mesh.triangles())
-      triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-  }
-  return SurfaceMesh::from_triangles(positions, triangles);
-}
-
 SurfaceMesh ball(const Vec3& centre, double radius, int subdivisions) {
-  SurfaceMesh mesh = icosphere(subdivisions);
-  for (Vec3& p : mesh.position) p = centre + radius * p;
-  return mesh;
+  return placed(icosphere(subdivisions), radius, centre);
 }
 
 // The torus without samples over an angle around its axis.

@@ -180,12 +180,11 @@ def measure_pairs(programs, cloud, samples, options, smaller):
 
 
 def measure_cancel(programs, cloud, options):
-    """Seconds from the callback's `false` to the end of the run, per fraction at which it came."""
+    """Seconds from the callback's `false` to the end of the run, per fraction at which it came; None if it went on."""
     seconds = {}
     for fraction in CANCEL_FRACTIONS:
         run = run_program([programs / "stage_benchmark", "--cloud", cloud, "--cancel-at", fraction], options.time_limit)
-        if "cancelled_after_seconds" in run:
-            seconds[fraction] = run["cancelled_after_seconds"]
+        seconds[fraction] = run.get("cancelled_after_seconds")
     return seconds
 
 

@@ -127,7 +127,7 @@ def response_table(rows, threads):
         # Of the runs the one of the shortest silence: other load only adds. Of its stages the worst.
         silences = [max(run["stages"], key=lambda stage: stage["largest_gap_seconds"]) for run in runs]
         silence = min(silences, key=lambda stage: stage["largest_gap_seconds"])
-        cancel = row["cancel"].values()
+        cancel = [seconds for seconds in row["cancel"].values() if seconds is not None]
         body.append([f"{row['samples']:,}", "yes" if all(run["progress"]["monotone"] for run in runs) else "NO",
                      number(statistics.median(run["progress"]["calls_per_second"] for run in runs)),
                      number(silence["largest_gap_seconds"]), silence["name"],
@@ -201,6 +201,8 @@ def complaints(results):
             progress = run["progress"]
             if not progress["monotone"] or not progress["within_bounds"]:
                 found.append(f"{name}: progress falls or leaves [0, 1]")
+        found += [f"{name}: a run cancelled at {fraction} went on"
+                  for fraction, seconds in row["cancel"].items() if seconds is None]
         if len({run["checksum"] for run in good(runs)}) > 1:
             found.append(f"{name}: the runs do not give the same bytes")
     return found

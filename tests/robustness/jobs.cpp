@@ -87,8 +87,14 @@ Job gallery_job(std::uint64_t number, const JobOptions& job_options) {
 }  // namespace
 
 std::uint64_t most_jobs(const std::string& kind) {
-  if (kind == "gallery") return gallery(0).size() * gallery_variants().size();
+  static const std::uint64_t exhibits = gallery(0).size();
+  if (kind == "gallery") return exhibits * gallery_variants().size();
   return kNumbersPerSeed;
+}
+
+std::uint64_t job_number(const std::string& kind, std::uint64_t seed, std::uint64_t i,
+                         std::uint64_t count) {
+  return seed * kNumbersPerSeed + (kind == "gallery" ? i * most_jobs(kind) / count : i);
 }
 
 Job make_job(const std::string& kind, std::uint64_t number, const JobOptions& options) {

@@ -37,6 +37,11 @@ constexpr std::uint64_t kNumbersPerSeed = 1000000;
 /// How many jobs of a kind one seed has: as many as wanted, but for the gallery.
 std::uint64_t most_jobs(const std::string& kind);
 
+/// Of `count` jobs of a kind and seed, the number of the i-th: they follow each other, but those of
+/// the gallery are spread over all of it. Pre: i < count <= most_jobs.
+std::uint64_t job_number(const std::string& kind, std::uint64_t seed, std::uint64_t i,
+                         std::uint64_t count);
+
 /// `kind` is "clouds", "gallery" or "files".
 /// Throws std::invalid_argument if there is no such job.
 Job make_job(const std::string& kind, std::uint64_t number, const JobOptions& options);

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
+#include <vector>
 
 #include "attempt.h"
 #include "shapes.h"
@@ -73,6 +75,96 @@ TEST(Judge, AComponentAsThinAsRoundingHasNoSide) {
     EXPECT_TRUE(bounds_a_volume(mesh_of({brick, thin}, 1.0, Vec3::Zero())));
     EXPECT_EQ(bounds_a_volume(mesh_of({brick, plate}, 1.0, Vec3::Zero())), !is_inside_out);
   }
+}
+
+// A good mesh, and the samples that it is of.
+class JudgeOfASphere : public ::testing::Test {
+ protected:
+  JudgeOfASphere() {
+    const SurfaceMesh surface = testing::icosphere(2);
+    mesh.position = samples = surface.position;
+    mesh.triangles = surface.triangles();
+    for (Index v = 0; v < surface.vertex_slots(); ++v) mesh.input_index.push_back(v);
+  }
+  Judgement judged(const std::vector<Index>& left_out = {}) const {
+    return judge(samples, left_out, mesh, true);
+  }
+  void expect_matched(const Judgement& judgement, Index missing, Index extra, Index moved) const {
+    EXPECT_EQ(judgement.missing, missing);
+    EXPECT_EQ(judgement.extra, extra);
+    EXPECT_EQ(judgement.moved, moved);
+  }
+
+  std::vector<Vec3> samples;
+  ResultMesh mesh;
+};
+
+TEST_F(JudgeOfASphere, FindsNothingWrong) {
+  const Judgement good = judged();
+  expect_matched(good, 0, 0, 0);
+  EXPECT_TRUE(good.closed() && good.manifold && good.outward);
+  EXPECT_EQ(good.genus, 0);
+  EXPECT_EQ(good.components, 1);
+  EXPECT_EQ(good.repeated + good.unused + good.intersecting + good.degenerate, 0);
+  EXPECT_EQ(good.samples, good.vertices);
+}
+
+TEST_F(JudgeOfASphere, FindsAVertexThatMovedByOneBit) {
+  mesh.position[5].z() = std::nextafter(mesh.position[5].z(), 9.0);
+  expect_matched(judged(), 1, 1, 1);
+}
+
+TEST_F(JudgeOfASphere, FindsASampleThatIsNoVertexUnlessItWasLeftOut) {
+  samples.emplace_back(3.0, 0.0, 0.0);
+  expect_matched(judged(), 1, 0, 0);
+  expect_matched(judged({static_cast<Index>(samples.size()) - 1}), 0, 0, 0);
+}
+
+TEST_F(JudgeOfASphere, FindsAVertexThatIsNoSample) {
+  samples.pop_back();
+  mesh.input_index.back() = kNone;
+  expect_matched(judged(), 0, 1, 0);
+}
+
+TEST_F(JudgeOfASphere, FindsAVertexAtThePlaceOfAnother) {
+  mesh.position[9] = mesh.position[8];
+  const Judgement judgement = judged();
+  EXPECT_EQ(judgement.repeated, 1);
+  expect_matched(judgement, 1, 0, 1);
+}
+
+TEST_F(JudgeOfASphere, FindsAHole) {
+  mesh.triangles.pop_back();
+  const Judgement judgement = judged();
+  EXPECT_FALSE(judgement.closed());
+  EXPECT_EQ(judgement.border_edges, 3);
+  EXPECT_TRUE(judgement.manifold);
+}
+
+TEST_F(JudgeOfASphere, FindsAnEdgeOfThreeFaces) {
+  const Triangle t = mesh.triangles.front();
+  mesh.triangles.push_back({t[0], t[1], mesh.triangles.back()[2]});
+  EXPECT_FALSE(judged().manifold);
+}
+
+TEST_F(JudgeOfASphere, FindsAFaceThatTurnsTheOtherWay) {
+  std::swap(mesh.triangles.front()[0], mesh.triangles.front()[1]);
+  EXPECT_FALSE(judged().manifold);
+}
+
+TEST_F(JudgeOfASphere, FindsThatItIsInsideOut) {
+  for (Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
+  EXPECT_TRUE(judged().manifold);
+  EXPECT_FALSE(judged().outward);
+}
+
+TEST_F(JudgeOfASphere, FindsFacesThatCutOthers) {
+  const SurfaceMesh crossing = testing::crossing_spheres(2);
+  mesh.position = samples = crossing.position;
+  mesh.triangles = crossing.triangles();
+  mesh.input_index.clear();
+  EXPECT_GT(judged().intersecting, 10);
+  EXPECT_EQ(judged().components, 2);
 }
 
 // On a slow machine time is no promise.

@@ -64,8 +64,8 @@ class Sweep {
     while (true) {
       while (static_cast<int>(running.size()) < arguments_.jobs && started < count &&
              watch_.seconds() < arguments_.seconds)
-        running.emplace_back(
-            make_job(kind, arguments_.seed * kNumbersPerSeed + started++, arguments_.options));
+        running.emplace_back(make_job(kind, job_number(kind, arguments_.seed, started++, count),
+                                      arguments_.options));
       if (running.empty()) return;
       running.remove_if([&](Running& entry) {
         if (!entry.child->has_ended()) return false;
