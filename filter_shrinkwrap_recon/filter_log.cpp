@@ -176,7 +176,7 @@ void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings
   if (report.false_handles > 0)
     warnings.push_back(count_of(report.false_handles, "handle") +
                        " cut that no samples bear out (bridges between close parts, or tunnels "
-                       "through thin walls): see CutFalseHandles.");
+                       "through thin walls): see Cut false handles (CutFalseHandles).");
   if (report.handles_refuted > 0)
     warnings.push_back(count_of(report.handles_refuted, "handle") +
                        " of the first solid left out: one of voxels of " +
@@ -193,7 +193,7 @@ void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings
   if (report.dropped > 0)
     warnings.push_back(
         count_of(report.dropped, "small body or cavity", "small bodies or cavities") +
-        " left out: see MinComponentSamples.");
+        " left out: see Smallest body (MinComponentSamples).");
 }
 
 std::string notches_filled(Index count) {
@@ -302,8 +302,8 @@ void tell_of(const OutlierReport& report, FilterOutcome& outcome) {
   if (count > 0)
     outcome.warnings.push_back(
         count_of(count, "outlier") +
-        " left out of the surface: points that lie apart from the rest. Switch ExcludeOutliers off "
-        "to keep them.");
+        " left out of the surface: points that lie apart from the rest. Switch Exclude outliers "
+        "(ExcludeOutliers) off to keep them.");
   else if (report.suspected > 0)
     outcome.warnings.push_back(
         count_of(report.suspected, "sample") +

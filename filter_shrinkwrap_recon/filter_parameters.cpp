@@ -133,9 +133,12 @@ Parameter backs_are_openings() {
       "does where its log says so."));
 }
 
+Parameter choice_of_openings(const char* tooltip) {
+  return choice(kOpenings, "Openings in the scan", {"Close", "Leave open", "Automatic"}, tooltip);
+}
+
 Parameter openings() {
-  return choice(
-      kOpenings, "Openings in the scan", {"Close", "Leave open", "Automatic"},
+  return choice_of_openings(
       "Robust method: what becomes of places without samples that are wider than about "
       "eight sample spacings.<br><b>Close</b> spans them with faces between the points around them "
       "(where the run stops at the parametric surface, with a membrane stretched between their "
@@ -144,6 +147,14 @@ Parameter openings() {
       "these faces away, and the mesh has a border there.<br><b>Automatic</b> spans "
       "openings up to a width, see below, and leaves wider ones open: of terrain and of "
       "scenes, shadows are closed and the outline is not.");
+}
+
+Parameter openings_of_matching() {
+  return choice_of_openings(
+      "Robust method: what Edge Optimisation is to do with places without samples; choose the same "
+      "there. Here the mesh is closed in any case: with <b>Leave open</b> by the faces that the "
+      "surface has there, otherwise by faces between the points around. Their face quality tells "
+      "them from others.");
 }
 
 Parameter widest_opening() {
@@ -360,10 +371,10 @@ void check(const Parameter& parameter, const ParameterValues& values) {
   const double value = found->second;
   const bool whole = parameter.kind == Kind::real || value == std::floor(value);
   if (value >= parameter.minimum && value <= parameter.maximum && whole) return;
-  throw InvalidInput("the parameter " + parameter.name + " is " + text_of(value) +
-                     ": it must be a" + (parameter.kind == Kind::real ? "" : " whole") +
-                     " number from " + text_of(parameter.minimum) + " to " +
-                     text_of(parameter.maximum));
+  throw InvalidInput("the parameter " + parameter.name + ", \"" + parameter.label + "\", is " +
+                     text_of(value) + ": it must be a" +
+                     (parameter.kind == Kind::real ? "" : " whole") + " number from " +
+                     text_of(parameter.minimum) + " to " + text_of(parameter.maximum));
 }
 
 // Reads values; a parameter that the filter does not have leaves its option as it is.
@@ -468,7 +479,7 @@ std::vector<Parameter> parameters_of(Filter filter) {
               method(),
               smooth_for_noise(),
               backs_are_openings(),
-              openings(),
+              openings_of_matching(),
               neighbours()};
       break;
     case Filter::edge_optimisation:

@@ -270,7 +270,8 @@ Figures ShrinkWrapReconPlugin::run_on_layers(Filter filter, MeshDocument& docume
   VcgPoints points = points_from_vcg(samples.cm, request.selected_only);
   if (points.points.empty())
     throw InvalidInput(request.selected_only
-                           ? "no point is selected: select some, or switch SelectedOnly off"
+                           ? "no point is selected: select some, or switch Selected points only "
+                             "(SelectedOnly) off"
                            : "the layer has no points: open a point cloud, or choose its layer");
   FilterInput input;
   input.points = std::move(points.points);
