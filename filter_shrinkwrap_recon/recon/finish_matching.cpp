@@ -1,6 +1,7 @@
 #include "finish_matching.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <utility>
 
 #include "close_openings.h"
@@ -16,6 +17,9 @@ namespace {
 constexpr Index kMostCuts[] = {8, 64, 512};
 // So often it is tried with so many cuts, each time without the vertices that did harm.
 constexpr int kMostTrials = 8;
+// No trial is begun once all together have tested so many pairs of faces, and so many for each face
+// of the mesh: where much meets in a small one, or lies in planes, each trial takes a second.
+constexpr std::int64_t kTestsOfTrials = 3000000, kTestsPerFace = 600;
 
 // Faces, by their corners, as they are named once these vertices (ascending) are gone; not those of
 // which one is gone. Both ascending.
@@ -131,16 +135,18 @@ void Finish::remove_with_cuts() {
   RepairOptions near = options_;
   near.max_annealed_rings = 2;
   near.folds.most_folded = 0.0;
+  std::int64_t tests_left = kTestsOfTrials + kTestsPerFace * matching_.mesh.face_count();
   for (const Index most_cuts : kMostCuts) {
     ClosingOptions options;
     options.most_cuts = most_cuts;
     const std::vector<Triangle> tried = tried_by_last_repair();
-    for (int trials = 0; trials < kMostTrials && has_extra_vertices(); ++trials) {
+    for (int trials = 0; trials < kMostTrials && tests_left > 0 && has_extra_vertices(); ++trials) {
       CompleteMatching trial = matching_;
       const std::vector<Index> removed = close_openings(trial, samples_, progress_, options);
       if (removed.empty()) break;
       near.tried = without_vertices(tried, removed);
       RepairReport further = repair(trial, near);
+      tests_left -= further.tests;
       if (further.faces_after > report_.repair.faces_after) {
         const std::vector<Index> harmful =
             to_blame(matching_, report_.repair.remaining_faces, removed, trial,
