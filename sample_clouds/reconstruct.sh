@@ -240,8 +240,9 @@ target_of() { # input
 # colours from PLY, OBJ, OFF and PTX, qualities from PLY, ASC and PTX, and neither from other formats.
 carried_by() { # cloud, its ending in small letters
   case $2 in
-    ply)
-      LC_ALL=C sed -n -e '/^end_header/q' -e '1000q' -e '/^element vertex /,/^element [^v]/s/^property *[a-z0-9]*  *//p' "$1" 2>/dev/null |
+    ply) # intensities as floats only
+      LC_ALL=C sed -n -e '/^end_header/q' -e '1000q' -e '/ intensity/{/ float\(32\)\{0,1\} /!d;}' \
+        -e '/^element vertex /,/^element [^v]/s/^property *[a-z0-9]*  *//p' "$1" 2>/dev/null |
         tr -d '\000\r' | sed -n -e 's/^\(red\|diffuse_red\|intensity\) *$/vc/p' -e 's/^\(quality\|confidence\) *$/vq/p'
       ;;
     obj) # v x y z red green blue

@@ -182,7 +182,7 @@ def measure_pairs(programs, cloud, samples, options, smaller):
 
 
 def measure_cancel(programs, cloud, options):
-    """Seconds from the callback's `false` to the end of the run, per fraction at which it came; None if it went on."""
+    """Seconds from the callback's `false` to the end of the run, per fraction at which it came; None if it came too late."""
     seconds = {}
     for fraction in CANCEL_FRACTIONS:
         run = run_program([programs / "stage_benchmark", "--cloud", cloud, "--cancel-at", fraction], options.time_limit)

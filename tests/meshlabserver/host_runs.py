@@ -48,14 +48,14 @@ def as_float(x):
 
 
 def write_ply(path, points, faces=(), colours=None, qualities=None, colour_name="", quality_name="quality",
-              intensities=None):
+              intensities=None, intensity_type="float"):
     """A binary PLY, bit for bit. `colour_name` is what stands before red, green and blue."""
     header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(points)}"]
     header += [f"property float {axis}" for axis in "xyz"]
     if colours:
         header += [f"property uchar {colour_name}{channel}" for channel in ("red", "green", "blue")]
     if intensities:
-        header.append("property uchar intensity")
+        header.append(f"property {intensity_type} intensity")
     if qualities:
         header.append(f"property float {quality_name}")
     if faces:
@@ -67,7 +67,7 @@ def write_ply(path, points, faces=(), colours=None, qualities=None, colour_name=
             if colours:
                 file.write(bytes(colours[i]))
             if intensities:
-                file.write(bytes([intensities[i]]))
+                file.write(struct.pack({"float": "<f", "uchar": "<B"}[intensity_type], intensities[i]))
             if qualities:
                 file.write(struct.pack("<f", qualities[i]))
         for face in faces:
