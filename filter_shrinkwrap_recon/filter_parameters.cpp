@@ -237,12 +237,14 @@ std::vector<Parameter> solid_parameters() {
                       "false handles. Open sheets (terrain, one view of an object) have 0.25 at "
                       "most. No unit; "
                       "range 0.05 to 0.95.")),
-      advanced(number(Kind::integer, kMinComponent, "Smallest body (samples)", 30, 4, kMostElements,
-                      "Robust method: bodies and cavities supported by fewer samples than this get "
-                      "no surface of their own. "
-                      "Raised: clumps of stray points do not become bodies. Lowered: small real "
-                      "parts are kept. Unit: "
-                      "samples; range 4 and up.")),
+      advanced(
+          number(Kind::integer, kMinComponent, "Smallest body (samples)", 30, 4, kMostElements,
+                 "Robust method: bodies and cavities supported by fewer samples than this get "
+                 "no surface of their own (up to 30: of fewer than a hundredth of all samples, "
+                 "if that is less; and never of a quarter of what is typical). "
+                 "Raised: clumps of stray points do not become bodies. Lowered: small real "
+                 "parts are kept. Unit: "
+                 "samples; range 4 and up.")),
   };
 }
 

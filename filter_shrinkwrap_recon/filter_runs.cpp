@@ -503,9 +503,13 @@ FilterOutcome run_filter(Filter filter, const FilterRequest& request, const Filt
     require_memory_for(std::max({samples, vertices, subdivided}), request.options.memory_limit,
                        request.options.samples.neighbours);
 
+  // What is free now: by the time the samples are looked at, they take some of it.
+  FilterRequest limited = request;
+  const std::uint64_t limit = request.options.memory_limit;
+  limited.options.samples.memory_limit = limit > 0 ? limit : available_bytes();
   const int threads = request.options.threads;
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-  FilterOutcome outcome = arena.execute([&] { return dispatch(filter, request, input, progress); });
+  FilterOutcome outcome = arena.execute([&] { return dispatch(filter, limited, input, progress); });
   // The first stage made the layer of what was left out.
   if (needs_mesh) outcome.outliers = ResultMesh();
   if (!outcome.mesh.triangles.empty()) {

@@ -368,7 +368,9 @@ show() { # number of the input
 is_taken() { # target, inputs...
   taken=$1
   shift
-  key=$(realpath -m -- "$taken" | tr '\n' '\001')
+  place=.
+  case $taken in */*) place=${taken%/*}/ ;; esac
+  key=$(printf '%s/%s' "$(realpath -m -- "$place")" "${taken##*/}" | tr '\n' '\001')
   if grep -qFx -e "$key" "$work/targets"; then
     reason="another input is written to the same name, $taken"
     return 0

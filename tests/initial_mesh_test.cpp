@@ -150,7 +150,6 @@ TEST(InitialMesh, ClumpsOfStrayPointsAreNoBodies) {
   expect_closed_manifold(initial_mesh_of(oriented_cloud(points)).mesh, 1, 0);
 }
 
-// Of many small bodies one has twice as many samples: the others are no debris of it.
 TEST(InitialMesh, TheSmallestBodyMayBeOfMoreThanAHundredthOfTheSamples) {
   std::vector<Vec3> points = sample_shape_blue_noise(ShapeKind::sphere, 4000, 9);
   for (const Vec3& p : sample_shape_blue_noise(ShapeKind::sphere, 160, 10))
@@ -162,6 +161,7 @@ TEST(InitialMesh, TheSmallestBodyMayBeOfMoreThanAHundredthOfTheSamples) {
   EXPECT_EQ(initial_mesh_of(samples, options).report.dropped, 1);
 }
 
+// Of many small bodies one has twice as many samples: the others are no debris of it.
 TEST(InitialMesh, SmallBodiesStayWhereAllAreSmall) {
   constexpr Index kBodies = 400;
   std::vector<Vec3> points;

@@ -93,27 +93,6 @@ TEST(IntersectionRepair, HealsShakenVertices) {
   }
 }
 
-TEST(IntersectionRepair, TellsWhichFacesChanged) {
-  RepairOptions options;
-  options.folds.most_folded = 0.0;
-  for (unsigned seed = 0; seed < 5; ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
-    Random random(seed);
-    SurfaceMesh mesh = torus_mesh(60, 24);
-    shake(mesh, 0.6, random);
-    const SurfaceMesh before = mesh;
-    const RepairReport report = repair(mesh, options);
-    EXPECT_GT(report.flips + report.relocated + report.annealed, 3);
-    const std::vector<Index>& changed = report.changed_faces;
-    EXPECT_TRUE(std::is_sorted(changed.begin(), changed.end()));
-    EXPECT_LT(static_cast<Index>(changed.size()), mesh.face_count());
-    for (Index f = 0; f < mesh.face_slots(); ++f)
-      if (mesh.triangle(f) != before.triangle(f)) {
-        EXPECT_TRUE(std::binary_search(changed.begin(), changed.end(), f)) << f;
-      }
-  }
-}
-
 TEST(IntersectionRepair, RelocatesSamplesThatChangedPlaces) {
   // The mesh joins each vertex to the neighbours of another, some edges away: flips alone leave
   // dozens of pairs.

@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <numeric>
 #include <string>
 #include <vector>
 
@@ -222,54 +220,6 @@ TEST(Openings, LeftOpenTellTheNotchesFilled) {
   }
 }
 
-// Faces that meet around an opening keep vertices from being removed until they are parted, and
-// faces that do not meet yet, until they are cut and parted again.
-// A flip and the like put faces into other slots.
-TEST(Openings, SpanningFacesAreToldAnewWhereARepairChangedThem) {
-  CompleteMatching matching;
-  matching.mesh = icosphere(1);
-  SurfaceMesh& mesh = matching.mesh;
-  const Index samples = mesh.vertex_slots() - 1;  // the last vertex is none
-  const auto length = [&](Index f) {
-    const Triangle t = mesh.triangle(f);
-    const auto edge = [&](int i, int j) {
-      return (mesh.position[t[i]] - mesh.position[t[j]]).norm();
-    };
-    return std::max({edge(0, 1), edge(1, 2), edge(2, 0)});
-  };
-  // Of two faces that hang together the one with the longer edges spans; others stay as they were.
-  const Index f = 0, g = SurfaceMesh::face(mesh.twin(0)), far = mesh.face_slots() - 1;
-  const Triangle t = mesh.triangle(g);
-  mesh.position[t[0]] *= 1.5;
-  if (length(f) >= length(g)) mesh.position[t[2]] *= 2.0;
-  ASSERT_LT(length(f), length(g));
-  const std::vector<Index> changed = {std::min(f, g), std::max(f, g)};
-  matching.spanning_faces = {f, far};
-  restore_spanning_faces(matching, changed, samples);
-  EXPECT_EQ(matching.spanning_faces, (std::vector<Index>{g, far}));
-  restore_spanning_faces(matching, {f}, samples);
-  EXPECT_EQ(matching.spanning_faces, (std::vector<Index>{g, far}));
-  // Where both span, or none, nothing is to be told.
-  matching.spanning_faces = changed;
-  restore_spanning_faces(matching, changed, samples);
-  EXPECT_EQ(matching.spanning_faces, changed);
-  matching.spanning_faces = {far};
-  restore_spanning_faces(matching, changed, samples);
-  EXPECT_EQ(matching.spanning_faces, std::vector<Index>{far});
-  // A face with a vertex that is no sample spans before any other.
-  std::vector<Index> star;
-  mesh.for_each_outgoing(samples, [&](Index h) { star.push_back(SurfaceMesh::face(h)); });
-  std::vector<Index> all(static_cast<std::size_t>(mesh.face_slots()));
-  std::iota(all.begin(), all.end(), 0);
-  std::sort(star.begin(), star.end());
-  std::vector<Index> others;
-  std::set_difference(all.begin(), all.end(), star.begin(), star.end(), std::back_inserter(others));
-  matching.spanning_faces.assign(others.begin(),
-                                 others.begin() + static_cast<std::ptrdiff_t>(star.size()));
-  restore_spanning_faces(matching, all, samples);
-  EXPECT_EQ(matching.spanning_faces, star);
-}
-
 // Along its rim a rough sheet has a few, however often faces were parted there.
 TEST(Openings, ASheetThatIsRepairedHasTheOpeningsThatItHad) {
   for (const unsigned seed : {3u, 4u}) {
@@ -289,6 +239,8 @@ TEST(Openings, ASheetThatIsRepairedHasTheOpeningsThatItHad) {
   }
 }
 
+// Faces that meet around an opening keep vertices from being removed until they are parted, and
+// faces that do not meet yet, until they are cut and parted again.
 TEST(Openings, OfScanLinesAreSpannedBetweenSamplesOnly) {
   constexpr unsigned kSeeds = 12;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {

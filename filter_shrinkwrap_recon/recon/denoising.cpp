@@ -23,8 +23,8 @@ constexpr int kLeastSamples = 2 * kCoefficients;
 // Neighbourhoods are bounded, so that no sample looks at all the others: their radius does not grow
 // for more noise than this (in spacings), nor for a spacing beyond so many times the median.
 constexpr double kGreatestNoise = 1.0, kGreatestSpacing = 4.0;
-// Nor are more samples looked at, as beside samples far denser than around the own one: smaller
-// neighbourhoods must do there.
+// Nor are more samples looked at at once, as beside samples far denser than around the own one:
+// smaller neighbourhoods must do there.
 constexpr Index kMostLooks = 4096;
 // Variances of height and slopes for noise of 1, of a fit that says nothing (samples in a line).
 constexpr double kGreatestVariance = 4.0;
@@ -169,11 +169,12 @@ class Denoiser {
 
   // The samples around one, by the smallest of `sizes` neighbourhoods that holds them: a cylinder
   // as high above and below the sample as it is wide.
-  std::array<Moments, kMostSizes> rings_at(Index sample, const Axes& axes, int sizes) const {
+  // Halves the number of sizes where they hold too many samples.
+  std::array<Moments, kMostSizes> rings_at(Index sample, const Axes& axes, int& sizes) const {
     std::array<Moments, kMostSizes> rings;
     while (!find_rings(sample, axes, sizes, rings) && sizes > 1) {
       rings = {};
-      --sizes;
+      sizes /= 2;
     }
     return rings;
   }
@@ -205,7 +206,8 @@ class Denoiser {
   // Of the smallest neighbourhood, in lengths of the cloud.
   float residual_at(Index sample) const {
     const Axes axes = axes_at(sample);
-    const HeightField quadric(rings_at(sample, axes, 1)[0]);
+    int sizes = 1;
+    const HeightField quadric(rings_at(sample, axes, sizes)[0]);
     return quadric.is_valid ? static_cast<float>(std::sqrt(quadric.squared_residual) / axes.scale)
                             : 0.0f;
   }
@@ -262,14 +264,15 @@ class Denoiser {
 
   void measure_shapes_at(Index sample) {
     const Axes axes = axes_at(sample);
-    const std::array<Moments, kMostSizes> rings = rings_at(sample, axes, sizes_);
+    int sizes = sizes_;
+    const std::array<Moments, kMostSizes> rings = rings_at(sample, axes, sizes);
     const double noise = less_detail(noise_[sample]);
     const double squared_noise = noise * noise + kLeastVariance;
     const double most = std::max<double>(noise, noise_[sample]);
     Moments sum;
     Kept smaller_variance = Kept::Zero();
     bool is_first = true;
-    for (int size = 0; size < sizes_; ++size) {
+    for (int size = 0; size < sizes; ++size) {
       sum += rings[size];
       const HeightField quadric(sum);
       if (!quadric.is_valid && is_first) continue;

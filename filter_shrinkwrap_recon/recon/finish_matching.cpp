@@ -17,8 +17,8 @@ namespace {
 constexpr Index kMostCuts[] = {8, 64, 512};
 // So often it is tried with so many cuts, each time without the vertices that did harm.
 constexpr int kMostTrials = 8;
-// No trial is begun once all together have tested so many pairs of faces, and so many for each face
-// of the mesh: where much meets in a small one, or lies in planes, each trial takes a second.
+// No trial is begun once the repairs of all have tested so many pairs of faces, and so many for
+// each face of the mesh: where much meets in a small one, or lies in planes, each takes a second.
 constexpr std::int64_t kTestsOfTrials = 3000000, kTestsPerFace = 600;
 
 // Faces, by their corners, as they are named once these vertices (ascending) are gone; not those of
@@ -79,10 +79,8 @@ class Finish {
            extra_vertices_kept(matching_.mesh, samples_, matching_.opening_faces) > 0;
   }
   RepairReport repair(CompleteMatching& matching, const RepairOptions& options) {
-    RepairReport report = repair_self_intersections(
-        matching.mesh, options, progress_, matching.opening_faces, matching.spanning_faces);
-    restore_spanning_faces(matching, report.changed_faces, samples_);
-    return report;
+    return repair_self_intersections(matching.mesh, options, progress_, matching.opening_faces,
+                                     &matching.spanning_faces, samples_);
   }
   // Once more, near what has changed since `tried_` was filled in.
   RepairReport repair_again() {

@@ -22,7 +22,7 @@ struct FinishReport {
 /// few, and faces are parted near what changed. Where more meet then, all is as before, and the
 /// vertices that were removed nearest to those faces are left out of the next of a few trials; none
 /// is made if more than a fifth of all faces meet others. What stays is drawn in (draw_in.h).
-/// Where the repair changed faces, those that span are told anew (restore_spanning_faces).
+/// Spanning faces are told anew where a repair changed them (spanning_faces.h).
 /// `matching` and `openings` (the longest edge) are brought up to date. Pre: vertex i below the
 /// samples of the cloud is sample i, or nothing spans an opening. Post: closed 2-manifold of the
 /// same topology.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <unordered_map>
 
 #include "face_meetings.h"
 #include "face_patches.h"
@@ -10,6 +11,7 @@
 #include "patch_annealing.h"
 #include "sample_relocation.h"
 #include "sort_unique.h"
+#include "spanning_faces.h"
 
 namespace shrinkwrap {
 namespace {
@@ -63,7 +65,7 @@ class Repair {
         meetings_(mesh, kTestsPerFace * mesh.face_slots(), progress, opening_faces),
         hinges_(mesh, meetings_, opening_faces) {}
 
-  RepairReport run(const std::vector<Index>& spanning_faces);
+  RepairReport run(std::vector<Index>* spanning_faces, Index samples);
 
  private:
   using Pair = HingeFlips::Pair;
@@ -84,11 +86,15 @@ class Repair {
 
   void keep(Index h) {
     ++flips_;
-    touched_.push_back(SurfaceMesh::face(h));
-    touched_.push_back(SurfaceMesh::face(mesh_.twin(h)));
+    for (const Index f : {SurfaceMesh::face(h), SurfaceMesh::face(mesh_.twin(h))}) {
+      touched_.push_back(f);
+      changed_.push_back(f);
+    }
   }
 
   void try_near(const Attempt& attempt, const std::vector<Index>& faces, double done);
+  void note_change(const std::vector<Index>& faces);
+  std::vector<std::vector<Index>> changed_sets();
   std::vector<Index> affected_faces(const std::vector<Index>& touched) const;
   std::vector<Index> untried_faces() const;
 
@@ -99,7 +105,9 @@ class Repair {
   FaceMeetings meetings_;
   HingeFlips hinges_;
   FlipLimits limits_{0.0, kLeastHeight};
-  std::vector<Index> touched_;  // faces that changed in this round
+  std::vector<Index> touched_;  // faces near which something changed in this round
+  std::vector<Index> changed_;  // faces that did, in all rounds
+  std::unordered_map<Index, std::vector<Index>> changed_with_;  // links of those that did at once
   Index flips_ = 0, relocated_ = 0, annealed_ = 0;
   std::int64_t trials_left_ = 0, moves_left_ = 0;
   Index faces_before_annealing_ = kNone;
@@ -160,6 +168,7 @@ void Repair::relocate(Index v) {
       relocate_sample(mesh_, meetings_, v, opening_faces_, {limits_.least_height});
   if (changed.empty()) return;
   ++relocated_;
+  note_change(changed);
   touched_.insert(touched_.end(), changed.begin(), changed.end());
 }
 
@@ -184,8 +193,14 @@ void Repair::anneal_near(const std::vector<Index>& faces, int rings, double done
     }
     has_granted_ = true;
     if (!meetings_.has_tests_left()) return;
+    std::vector<Triangle> before;
+    for (const Index f : patch) before.push_back(mesh_.triangle(f));
     if (!anneal_patch(hinges_, patch, limits_, options, moves_left_, progress_, done)) continue;
     ++annealed_;
+    std::vector<Index> changed;
+    for (std::size_t i = 0; i < patch.size(); ++i)
+      if (mesh_.triangle(patch[i]) != before[i]) changed.push_back(patch[i]);
+    note_change(changed);
     touched_.insert(touched_.end(), patch.begin(), patch.end());
   }
 }
@@ -200,6 +215,26 @@ void Repair::unfold(const std::vector<Index>& faces) {
     };
     if (hinges_.try_flip(h, limits_, most_pairs)) keep(h);
   }
+}
+
+// That these faces took each other's slots, wherever they are.
+void Repair::note_change(const std::vector<Index>& faces) {
+  for (const Index f : faces) {
+    changed_.push_back(f);
+    if (f == faces.front()) continue;
+    changed_with_[f].push_back(faces.front());
+    changed_with_[faces.front()].push_back(f);
+  }
+}
+
+// The faces that changed, in sets that hang together, also over what changed at once.
+std::vector<std::vector<Index>> Repair::changed_sets() {
+  sort_unique(changed_);
+  const std::vector<Index> none;
+  return clusters_of(mesh_, changed_, [&](Index f) -> const std::vector<Index>& {
+    const auto found = changed_with_.find(f);
+    return found == changed_with_.end() ? none : found->second;
+  });
 }
 
 // The faces around those that were touched, and those that they meet, ascending.
@@ -304,20 +339,18 @@ void Repair::part_faces(RepairReport& report) {
     }
   }
   limits_.least_height = kLeastHeight;
-  touched_.clear();
   unfold(changed);
-  changed.insert(changed.end(), touched_.begin(), touched_.end());
-  sort_unique(changed);
-  report.changed_faces = std::move(changed);
 }
 
-RepairReport Repair::run(const std::vector<Index>& spanning_faces) {
+RepairReport Repair::run(std::vector<Index>* spanning_faces, Index samples) {
   RepairReport report;
   report.before = meetings_.pair_count();
   report.faces_before = meetings_.faces_at_first();
   part_faces(report);
   progress_.set_range(1.0, 1.0);
-  HingeFlips hinges_of_surface(mesh_, meetings_, spanning_faces);
+  const bool may_span = spanning_faces != nullptr && !spanning_faces->empty();
+  if (may_span) restore_spanning_faces(mesh_, changed_sets(), samples, *spanning_faces);
+  HingeFlips hinges_of_surface(mesh_, meetings_, may_span ? *spanning_faces : opening_faces_);
   report.folds = remove_folds(hinges_of_surface, options_.folds, progress_);
   report.remaining_faces = meetings_.all_faces(progress_);
   report.after = meetings_.pair_count();
@@ -350,10 +383,9 @@ std::vector<Triangle> surroundings(const SurfaceMesh& mesh, const std::vector<In
 
 RepairReport repair_self_intersections(SurfaceMesh& mesh, const RepairOptions& options,
                                        Progress& progress, const std::vector<Index>& opening_faces,
-                                       const std::vector<Index>& spanning_faces) {
+                                       std::vector<Index>* spanning_faces, Index samples) {
   progress.set_range(0.0, 0.8);
-  return Repair(mesh, options, progress, opening_faces)
-      .run(spanning_faces.empty() ? opening_faces : spanning_faces);
+  return Repair(mesh, options, progress, opening_faces).run(spanning_faces, samples);
 }
 
 }  // namespace shrinkwrap

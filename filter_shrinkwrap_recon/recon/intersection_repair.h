@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -53,7 +54,6 @@ struct RepairReport {
   Index faces_after = 0;
   Index faces_before_annealing = 0;    ///< those that flips and relocations left
   std::vector<Index> remaining_faces;  ///< those that are left, ascending
-  std::vector<Index> changed_faces;    ///< but for those that only folds changed, ascending
   Index flips = 0;
   Index relocated = 0;  ///< samples
   Index annealed = 0;   ///< patches that came out with fewer pairs
@@ -68,14 +68,13 @@ struct RepairReport {
     return annealed > 0 ? std::max(faces_before_annealing, faces_after) : faces_after;
   }
 
-  /// Of a further repair of the same mesh: what it left and changed, and the work of both. Of a
-  /// heap, `after` then counts other pairs than `before`.
+  /// Of a further repair of the same mesh: what it left, and the work of both. Of a heap, `after`
+  /// then counts other pairs than `before`.
   void add(RepairReport further) {
     after = further.after;
     faces_after = further.faces_after;
     faces_before_annealing = std::max(faces_before_annealing, further.faces_before_annealing);
     remaining_faces = std::move(further.remaining_faces);
-    changed_faces = std::move(further.changed_faces);
     flips += further.flips;
     relocated += further.relocated;
     annealed += further.annealed;
@@ -102,12 +101,13 @@ struct RepairReport {
 /// Finding the pairs costs as much as `self_intersections`; the rest is proportional to the number
 /// of faces in them. Deterministic.
 /// `opening_faces` (ascending) are not to be in the result: they stay as they are, and whatever
-/// meets them does not count. `spanning_faces` (ascending, those too) may change where faces meet,
-/// but not for a fold: around an opening they may well lie on the surface. Slots of faces that span
-/// and of others change places then: `changed_faces` tells where.
+/// meets them does not count. `spanning_faces` (ascending, those too; optional) may change where
+/// faces meet, but not for a fold: around an opening they may well lie on the surface. They take
+/// other slots then, and are told anew (spanning_faces.h); the vertices from `samples` on are none.
 RepairReport repair_self_intersections(SurfaceMesh& mesh, const RepairOptions& options,
                                        Progress& progress,
                                        const std::vector<Index>& opening_faces = {},
-                                       const std::vector<Index>& spanning_faces = {});
+                                       std::vector<Index>* spanning_faces = nullptr,
+                                       Index samples = std::numeric_limits<Index>::max());
 
 }  // namespace shrinkwrap

@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <iterator>
-#include <set>
-#include <tuple>
 
 #include "border_notches.h"
-#include "face_patches.h"
 #include "sort_unique.h"
 #include "triangle_geometry.h"
 
@@ -150,60 +147,6 @@ double longest_edge(const SurfaceMesh& mesh, Index f) {
   return shrinkwrap::longest_edge(mesh.position[t[0]], mesh.position[t[1]], mesh.position[t[2]]);
 }
 
-// Chooses from some faces (ascending) those that span an opening, one by one: those with a vertex
-// that is no sample, then, of those next to one that spans, the one with the longest edge.
-class SpanningGrowth {
- public:
-  // `spans`: which of the other faces do.
-  template <class Spans>
-  SpanningGrowth(const SurfaceMesh& mesh, const std::vector<Index>& faces, Index samples,
-                 const Spans& spans)
-      : mesh_(mesh), samples_(samples) {
-    for (const Index f : faces) apart_.insert(entry(f));
-    for (const Index f : faces)
-      for_each_across(f, [&](Index g) {
-        if (!std::binary_search(faces.begin(), faces.end(), g) && spans(g)) move_up(f);
-      });
-  }
-
-  // Pre: not more often than there are faces.
-  Index next() {
-    const bool is_apart =
-        next_to_.empty() || (!apart_.empty() && has_extra_vertex(*apart_.begin()));
-    std::set<Entry>& from = is_apart ? apart_ : next_to_;
-    const Index f = std::get<2>(*from.begin());
-    from.erase(from.begin());
-    for_each_across(f, [&](Index g) { move_up(g); });
-    return f;
-  }
-
- private:
-  using Entry = std::tuple<bool, double, Index>;  // in the order of choice
-
-  Entry entry(Index f) const {
-    const Triangle t = mesh_.triangle(f);
-    const bool is_of_samples =
-        std::all_of(t.begin(), t.end(), [&](Index v) { return v < samples_; });
-    return {is_of_samples, -longest_edge(mesh_, f), f};
-  }
-  static bool has_extra_vertex(const Entry& entry) { return !std::get<0>(entry); }
-  template <class Fn>
-  void for_each_across(Index f, const Fn& fn) const {
-    for (Index h = 3 * f; h < 3 * f + 3; ++h) fn(SurfaceMesh::face(mesh_.twin(h)));
-  }
-  // The face, if it is one to choose from, has a neighbour that spans.
-  void move_up(Index f) {
-    const auto found = apart_.find(entry(f));
-    if (found == apart_.end()) return;
-    next_to_.insert(*found);
-    apart_.erase(found);
-  }
-
-  const SurfaceMesh& mesh_;
-  Index samples_;
-  std::set<Entry> next_to_, apart_;  // a face that spans, and from any
-};
-
 }  // namespace
 
 void leave_openings(CompleteMatching& matching, const PointCloud& cloud, Progress& progress) {
@@ -235,29 +178,6 @@ Index extra_vertices_kept(const SurfaceMesh& mesh, Index samples,
         is_kept[v - samples] = 1;
     });
   return static_cast<Index>(std::count(is_kept.begin(), is_kept.end(), 1));
-}
-
-void restore_spanning_faces(CompleteMatching& matching, const std::vector<Index>& changed,
-                            Index samples) {
-  std::vector<Index>& spanning = matching.spanning_faces;
-  const auto spans = [&](Index f) {
-    return std::binary_search(spanning.begin(), spanning.end(), f);
-  };
-  std::vector<Index> before, now, others;
-  for (const std::vector<Index>& faces : clusters_of(matching.mesh, changed)) {
-    const auto count = std::count_if(faces.begin(), faces.end(), spans);
-    if (count == 0 || count == static_cast<std::ptrdiff_t>(faces.size())) continue;
-    std::copy_if(faces.begin(), faces.end(), std::back_inserter(before), spans);
-    SpanningGrowth growth(matching.mesh, faces, samples, spans);
-    for (std::ptrdiff_t i = 0; i < count; ++i) now.push_back(growth.next());
-  }
-  sort_unique(before);
-  sort_unique(now);
-  std::set_difference(spanning.begin(), spanning.end(), before.begin(), before.end(),
-                      std::back_inserter(others));
-  spanning.clear();
-  std::set_union(others.begin(), others.end(), now.begin(), now.end(),
-                 std::back_inserter(spanning));
 }
 
 void measure_openings(const CompleteMatching& matching, double spacing, OpeningsReport& report) {

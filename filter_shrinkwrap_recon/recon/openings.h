@@ -35,13 +35,6 @@ OpeningsReport decide_openings(CompleteMatching& matching, const PointCloud& clo
 std::vector<Index> cut_openings(const SurfaceMesh& mesh, const std::vector<Index>& faces,
                                 Index first_extra, Progress& progress);
 
-/// Names the spanning faces anew among those that a repair has `changed` (ascending), whose slots
-/// faces of both kinds have taken: of each set of these that hangs together as many as before,
-/// those with a vertex that is no sample, and others next to those that span, the one with the
-/// longest edge first.
-void restore_spanning_faces(CompleteMatching& matching, const std::vector<Index>& changed,
-                            Index samples);
-
 /// Vertices that are no sample (from index `samples` on) of faces that are not dropped. O(F).
 Index extra_vertices_kept(const SurfaceMesh& mesh, Index samples,
                           const std::vector<Index>& opening_faces);

@@ -18,7 +18,8 @@ struct BrickPlanes {
 };
 
 struct PlaneFieldOptions {
-  double reach = 2.5;          ///< x local spacing s_i, which counts as 16 median spacings at most
+  /// x local spacing s_i, which counts as 16 median spacings at most; 1.75 voxels at least.
+  double reach = 2.5;
   double least_spacing = 1.0;  ///< x median spacing: samples count as at least so far apart
 };
 

@@ -182,11 +182,12 @@ def measure_pairs(programs, cloud, samples, options, smaller):
 
 
 def measure_cancel(programs, cloud, options):
-    """Seconds from the callback's `false` to the end of the run, per fraction at which it came; None if it came too late."""
+    """Seconds from the callback's `false` to the end of the run, per fraction at which it came; None if it came too late,
+    what went wrong if something did."""
     seconds = {}
     for fraction in CANCEL_FRACTIONS:
         run = run_program([programs / "stage_benchmark", "--cloud", cloud, "--cancel-at", fraction], options.time_limit)
-        seconds[fraction] = run.get("cancelled_after_seconds")
+        seconds[fraction] = run.get("cancelled_after_seconds", run.get("error"))
     return seconds
 
 

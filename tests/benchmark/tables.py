@@ -127,7 +127,7 @@ def response_table(rows, threads):
         # Of the runs the one of the shortest silence: other load only adds. Of its stages the worst.
         silences = [max(run["stages"], key=lambda stage: stage["largest_gap_seconds"]) for run in runs]
         silence = min(silences, key=lambda stage: stage["largest_gap_seconds"])
-        cancel = [seconds for seconds in row["cancel"].values() if seconds is not None]
+        cancel = [seconds for seconds in row["cancel"].values() if isinstance(seconds, float)]
         body.append([f"{row['samples']:,}", "yes" if all(run["progress"]["monotone"] for run in runs) else "NO",
                      number(statistics.median(run["progress"]["calls_per_second"] for run in runs)),
                      number(silence["largest_gap_seconds"]), silence["name"],
@@ -145,7 +145,7 @@ def markdown(results):
             "self-intersections. *Exponent*: slope of the time over the samples, both logarithmic, by least squares from "
             f"{PLAIN_FIT_FROM:,} samples on. *B/sample*: peak memory less what the process held before. MeshLab's filters "
             "run in meshlabserver, less an empty run; Screened Poisson is given normals by MeshLab, and octree nodes "
-            "about as large as the spacing. *SI*: self-intersecting faces. \"-\": not run, failed, or over the time limit.\n"]
+            "about as large as the spacing. *SI*: self-intersecting faces. \"-\": not run, failed, over the time limit, or too short to tell from an empty run.\n"]
     for cloud, rows in rows_by_cloud(results).items():
         text += [f"## {cloud}\n", totals_table(rows, threads)]
         for t in threads:
@@ -203,6 +203,8 @@ def complaints(results):
                 found.append(f"{name}: progress falls or leaves [0, 1]")
         if row["cancel"] and all(seconds is None for seconds in row["cancel"].values()):
             found.append(f"{name}: no run could be cancelled")
+        found += [f"{name}: cancelled at {fraction}: {error}"
+                  for fraction, error in row["cancel"].items() if isinstance(error, str)]
         if len({run["checksum"] for run in good(runs)}) > 1:
             found.append(f"{name}: the runs do not give the same bytes")
     return found
