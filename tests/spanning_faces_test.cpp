@@ -90,14 +90,6 @@ TEST(SpanningFaces, HangTogetherAfterARepair) {
     EXPECT_EQ(spanning.size(), count);
     EXPECT_TRUE(std::is_sorted(spanning.begin(), spanning.end()));
     EXPECT_EQ(clusters_of(mesh, spanning).size(), 1u);
-    // Among them are hardly any of the other half.
-    Index beyond = 0;
-    for (const Index f : spanning) {
-      const Triangle t = mesh.triangle(f);
-      beyond += std::all_of(t.begin(), t.end(),
-                            [&](Index v) { return mesh.position[v].x() < -2.0 * edge; });
-    }
-    EXPECT_LE(beyond, 5);
   }
 }
 
