@@ -9,6 +9,8 @@
 
 #include "expect_mesh.h"
 #include "memory_estimate.h"
+#include "orientation.h"
+#include "outliers.h"
 #include "reconstruct.h"
 #include "shapes.h"
 
@@ -54,11 +56,30 @@ int neighbours_of(const std::vector<Vec3>& points, int neighbours = 16) {
 TEST(ScanLines, NeighboursReachTheLinesBeside) {
   EXPECT_EQ(neighbours_of(rings_of_torus(60, 1.0)), 16);
   EXPECT_EQ(neighbours_of(rings_of_torus(48, 3.0)), 16);
+  EXPECT_EQ(neighbours_of(rings_of_torus(48, 6.0)), 32) << "some reach the lines beside, too few";
   EXPECT_EQ(neighbours_of(rings_of_torus(48, 8.0)), 32);
+  EXPECT_EQ(neighbours_of(rings_of_torus(48, 10.0)), 64);
   EXPECT_EQ(neighbours_of(rings_of_torus(48, 14.0)), 64);
   EXPECT_EQ(neighbours_of(rings_of_torus(48, 30.0)), 128);
   EXPECT_EQ(neighbours_of(rings_of_torus(48, 8.0), 32), 32);
   EXPECT_EQ(neighbours_of(rings_of_torus(48, 10.0), 20), 40);
+  EXPECT_EQ(neighbours_of(rings_of_torus(48, 42.0)), 128) << "the most, though few reach";
+}
+
+TEST(ScanLines, FewNeighboursAreEnoughOnASphere) {
+  const std::vector<Vec3> points = icosphere(2).position;
+  for (int neighbours = 4; neighbours <= 8; ++neighbours)
+    EXPECT_EQ(neighbours_of(points, neighbours), neighbours);
+  for (int neighbours = 1; neighbours < 4; ++neighbours)
+    EXPECT_GE(neighbours_of(points, neighbours), neighbours) << "two or three are always a line";
+}
+
+// So close together that squares of distances are zero.
+TEST(ScanLines, ClustersOfAnySizeAreBorne) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < 4; ++i)
+    for (int k = 0; k < 40; ++k) points.emplace_back(i, i % 2, 1e-200 * k);
+  EXPECT_GE(neighbours_of(points), 16);
 }
 
 TEST(ScanLines, NoMoreNeighboursWhereTheyDoNotHelp) {
@@ -88,6 +109,49 @@ TEST(ScanLines, AreReconstructed) {
     EXPECT_EQ(result.report.genus, 1);
     EXPECT_EQ(result.report.self_intersecting_faces, 0);
     EXPECT_EQ(result.report.vertices_extra, 0);
+  }
+}
+
+PointCloud prepared(const std::vector<Vec3>& points) {
+  Progress silent;
+  return prepare_samples(points, {}, silent);
+}
+
+// A line by itself says little of its sides.
+TEST(ScanLines, SidesAreComparedFromLineToLine) {
+  for (const double ratio : {6.0, 10.0, 20.0}) {
+    SCOPED_TRACE(ratio);
+    PointCloud cloud = prepared(rings_of_torus(48, ratio));
+    Progress silent;
+    EXPECT_EQ(orient_normals(cloud, {}, silent).components, 1);
+  }
+}
+
+// The line at the tip of a cone is short, and the next one is as far away as all lines are.
+TEST(ScanLines, ShortLinesAreNotStray) {
+  for (const double ratio : {6.0, 10.0, 14.0, 20.0}) {
+    SCOPED_TRACE(ratio);
+    constexpr int kAround = 20, kLines = 24;
+    constexpr double kTip = 0.5 * kAround / kPi;  // radius of the first line; samples are 1 apart
+    const auto ring = [](double radius, double z) {
+      std::vector<Vec3> points;
+      const int count = static_cast<int>(2.0 * kPi * radius);
+      for (int k = 0; k < count; ++k) {
+        const double angle = 2.0 * kPi * k / count;
+        points.emplace_back(radius * std::cos(angle), radius * std::sin(angle), z);
+      }
+      return points;
+    };
+    std::vector<Vec3> points = ring(kTip, 0.0);
+    const std::size_t of_tip = points.size();
+    for (int line = 1; line < kLines; ++line)
+      for (const Vec3& p : ring(kTip + 0.7 * ratio * line, -0.7 * ratio * line))
+        points.push_back(p);
+    Progress silent;
+    EXPECT_TRUE(find_outliers(prepared(points), {}, silent).empty());
+
+    for (std::size_t i = 0; i < of_tip; ++i) points[i].z() += 6.0 * ratio;
+    EXPECT_EQ(find_outliers(prepared(points), {}, silent).size(), of_tip) << "it floats";
   }
 }
 

@@ -53,11 +53,20 @@ float noise_of(const PointCloud& cloud, Progress& progress) {
   return *evenest;
 }
 
+std::vector<int> places_of_edges(const PointCloud& cloud, int neighbours) {
+  const int most = std::max(cloud.neighbour_count - 1, 0);
+  const int count = std::min(std::max(neighbours, 1), most);
+  const bool spread = cloud.conditioning.neighbours_across_lines > 0 && count > 1;
+  std::vector<int> places;
+  for (int i = 0; i < count; ++i) places.push_back(1 + (spread ? i * (most - 1) / (count - 1) : i));
+  return places;
+}
+
 }  // namespace
 
 NeighbourGraph::NeighbourGraph(const PointCloud& cloud, int neighbours, Progress& progress)
     : cloud_(cloud),
-      neighbours_(std::min(std::max(neighbours, 1), std::max(cloud.neighbour_count - 1, 0))),
+      places_(places_of_edges(cloud, neighbours)),
       noise_(noise_of(cloud, progress)),
       has_steps_(finds_steps(progress)) {}
 

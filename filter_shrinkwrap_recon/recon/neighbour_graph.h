@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "point_cloud.h"
 
@@ -12,12 +13,14 @@ namespace shrinkwrap {
 /// same side.
 class NeighbourGraph {
  public:
-  /// With the first `neighbours` neighbours of each sample, or as many as the cloud has. The cloud
-  /// is referred to; its normals may be of any sign. O(N).
+  /// With the first `neighbours` neighbours of each sample, or as many as the cloud has; where the
+  /// samples lie on lines (ConditioningReport::neighbours_across_lines) with as many, spread from
+  /// the nearest to the farthest, of which some lie on the lines beside. The cloud is referred to;
+  /// its normals may be of any sign. O(N).
   NeighbourGraph(const PointCloud& cloud, int neighbours, Progress& progress);
 
   Index sample_count() const { return cloud_.size(); }
-  int neighbours() const { return neighbours_; }
+  int neighbours() const { return static_cast<int>(places_.size()); }
   /// How far the samples scatter about the surface where that is evenest, x local spacing.
   float noise() const { return noise_; }
 
@@ -25,11 +28,9 @@ class NeighbourGraph {
   template <class Body>
   void for_each_edge_of(Index a, const Body& body) const {
     const Index* list = cloud_.neighbours_of(a);
-    for (int place = 1; place <= neighbours_; ++place) {
+    for (const int place : places_) {
       const Index b = list[place];
-      const Index* back = cloud_.neighbours_of(b) + 1;
-      const bool has_it_too = std::find(back, back + neighbours_, a) != back + neighbours_;
-      if (a < b || !has_it_too) body(b);
+      if (a < b || !has_edge_to(b, a)) body(b);
     }
   }
 
@@ -64,6 +65,12 @@ class NeighbourGraph {
     }
   };
 
+  bool has_edge_to(Index from, Index to) const {
+    const Index* list = cloud_.neighbours_of(from);
+    return std::any_of(places_.begin(), places_.end(),
+                       [&](int place) { return list[place] == to; });
+  }
+
   Edge edge_between(Index a, Index b) const {
     const Vec3f d = (cloud_.position[a] - cloud_.position[b]).cast<float>();
     const Vec3f &n = cloud_.normal[a], &m = cloud_.normal[b];
@@ -88,8 +95,8 @@ class NeighbourGraph {
   static constexpr float kParallel = 0.8f;  // cosine of normals
 
   const PointCloud& cloud_;
-  int neighbours_;
-  float noise_ = 0.0f;  // x local spacing
+  std::vector<int> places_;  // in the lists of neighbours, of those it joins a sample with
+  float noise_ = 0.0f;       // x local spacing
   bool has_steps_ = false;
 };
 

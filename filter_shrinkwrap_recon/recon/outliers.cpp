@@ -20,6 +20,7 @@ constexpr double kOwnRoughness =
 // neighbourhood of k to about h / sqrt(k).
 constexpr double kGapOfHeight = 0.8, kDeviationOfHeight = 0.15;
 constexpr int kRingsGoneOn = 2;
+constexpr double kUsualRadius = 2.2;  // spacings to the farthest of 16 neighbours
 // x median spacing: no sample reaches farther than if it were so isolated.
 constexpr double kGreatestSpacing = 4.0;
 
@@ -38,7 +39,8 @@ class OutlierSearch {
 
  private:
   bool are_within(double reach, Index a, Index b) const {
-    const double distance = reach * std::min(cloud_.local_spacing[a], cloud_.local_spacing[b]);
+    const double distance =
+        widening_ * reach * std::min(cloud_.local_spacing[a], cloud_.local_spacing[b]);
     return (cloud_.position[a] - cloud_.position[b]).squaredNorm() <= distance * distance;
   }
 
@@ -224,7 +226,8 @@ class OutlierSearch {
       return other != sample && accept(other) && are_within(reach, sample, other);
     };
     return cloud_.search
-        .nearest_if(cloud_.position[sample], reach * cloud_.local_spacing[sample], is_near)
+        .nearest_if(cloud_.position[sample], widening_ * reach * cloud_.local_spacing[sample],
+                    is_near)
         .index;
   }
   bool is_held(Index sample, double reach) const {
@@ -275,6 +278,11 @@ class OutlierSearch {
   Progress& progress_;
   // A disc of radius r around a sample holds the k - 1 others: spacing s = r sqrt(pi / (k - 1)).
   const double spacings_per_radius_ = std::sqrt((cloud_.neighbour_count - 1) / kPi);
+  // Where samples lie on lines, the lines beside are as far as the farthest neighbours, which are
+  // more spacings away the more neighbours it takes.
+  const double widening_ = cloud_.conditioning.neighbours_across_lines > 0
+                               ? std::max(1.0, spacings_per_radius_ / kUsualRadius)
+                               : 1.0;
   const Index smallest_ = std::min(options_.smallest_set, std::max<Index>(cloud_.size() / 100, 4));
   std::vector<char> core_, kept_;
   SharedSets sets_{cloud_.size(), progress_};
@@ -301,6 +309,7 @@ OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& point
   SampleOptions as_before;  // what is left lies on lines, or not, as all did
   as_before.neighbours = cloud.neighbour_count;
   as_before.scan_lines.most_neighbours = 0;
+  const int across_lines = cloud.conditioning.neighbours_across_lines;
   PointCloud rest;
   std::vector<Index> input_index;  // of the points that are left
   const auto leave_out = [&](const PointCloud& from) {
@@ -322,6 +331,7 @@ OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& point
     }
     try {
       rest = prepare_samples(points_at(points, input_index), as_before, progress);
+      rest.conditioning.neighbours_across_lines = across_lines;
     } catch (const InvalidInput&) {
       report.input_index.clear();
       return report;
