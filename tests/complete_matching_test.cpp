@@ -23,6 +23,7 @@ using testing::expect_same_mesh;
 using testing::oriented_cloud;
 using testing::Random;
 using testing::ShapeKind;
+using testing::signed_volume;
 using Openings = CompleteMatchingOptions::Openings;
 
 // The mesh in the frame of the cloud, in canonical order: as the stage before would hand it over.

@@ -22,6 +22,7 @@ namespace {
 using testing::expect_closed_manifold;
 using testing::expect_same_mesh;
 using testing::Random;
+using testing::signed_volume;
 using Criterion = EdgeOptimisationOptions::Criterion;
 
 // The surface of the cube [-1, 1]^3 as a grid of n x n squares a side, each cut along a diagonal

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <numeric>
+#include <set>
 #include <utility>
 
 namespace shrinkwrap::testing {
@@ -140,6 +141,19 @@ void expect_same_mesh(const SurfaceMesh& a, const SurfaceMesh& b) {
   if (a.position.empty()) return;
   EXPECT_EQ(std::memcmp(a.position.data(), b.position.data(), a.position.size() * sizeof(Vec3)), 0)
       << "positions differ";
+}
+
+double signed_volume(const SurfaceMesh& mesh) {
+  double six_fold = 0.0;
+  for (const Triangle& t : mesh.triangles())
+    six_fold += mesh.position[t[0]].dot(mesh.position[t[1]].cross(mesh.position[t[2]]));
+  return six_fold / 6.0;
+}
+
+std::vector<Index> faces_of_pairs(const std::vector<std::pair<Index, Index>>& pairs) {
+  std::set<Index> faces;
+  for (const auto& [f, g] : pairs) faces.insert({f, g});
+  return {faces.begin(), faces.end()};
 }
 
 double normal_consistency(const SurfaceMesh& mesh, const Shape& shape, const Frame& to_shape) {

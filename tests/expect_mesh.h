@@ -1,6 +1,7 @@
 // What the tests expect of a mesh, judged from its list of triangles and by nothing of the library.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "complete_matching.h"
@@ -41,6 +42,12 @@ void expect_complete_matching(const CompleteMatching& matching, const PointCloud
 
 /// Fails unless the two are the same, index for index and bit for bit.
 void expect_same_mesh(const SurfaceMesh& a, const SurfaceMesh& b);
+
+/// Volume that a closed mesh encloses; positive if its faces are oriented outwards.
+double signed_volume(const SurfaceMesh& mesh);
+
+/// The faces of some pairs, ascending, each once.
+std::vector<Index> faces_of_pairs(const std::vector<std::pair<Index, Index>>& pairs);
 
 /// Mean over the area of the cosine between the normal of a face and that of the shape at its
 /// centroid. `to_shape`: from the frame of the mesh to the shape's.

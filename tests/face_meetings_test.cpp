@@ -6,12 +6,14 @@
 
 #include <algorithm>
 
+#include "expect_mesh.h"
 #include "self_intersection.h"
 #include "shapes.h"
 
 namespace shrinkwrap {
 namespace {
 
+using testing::faces_of_pairs;
 using testing::icosphere;
 using testing::Random;
 
@@ -40,7 +42,7 @@ TEST(FaceMeetings, AreThoseOfTheMeshAfterEveryChange) {
     const Pairs expected = found_anew(mesh);
     ASSERT_GT(expected.size(), 10u);
     ASSERT_EQ(meetings.pair_count(), static_cast<Index>(expected.size()));
-    ASSERT_EQ(meetings.faces(), intersecting_faces(expected));
+    ASSERT_EQ(meetings.faces(), faces_of_pairs(expected));
     ASSERT_EQ(meetings.pairs_of(meetings.faces()), expected);
 
     const Index h = random.below(mesh.halfedge_slots());
@@ -71,7 +73,7 @@ TEST(FaceMeetings, AbsentFacesMeetNothing) {
   ASSERT_LT(expected.size(), all.size());
   const FaceMeetings meetings(mesh, kManyTests, progress, absent);
   EXPECT_EQ(meetings.pairs_of(meetings.faces()), expected);
-  EXPECT_EQ(meetings.all_faces(progress), intersecting_faces(expected));
+  EXPECT_EQ(meetings.all_faces(progress), faces_of_pairs(expected));
   for (const auto& [f, g] : all) {
     if (f % 3 == 0 || g % 3 > 0) continue;
     Pairs pairs;
@@ -137,7 +139,7 @@ TEST(FaceMeetings, KeepNoMorePairsThanTheMeshHasRoomForButCountAllFaces) {
       const FaceMeetings meetings(mesh, kManyTests, progress);
       EXPECT_FALSE(meetings.has_all_pairs());
       EXPECT_LE(static_cast<std::size_t>(meetings.pair_count()), bound);
-      const std::vector<Index> faces = intersecting_faces(all);
+      const std::vector<Index> faces = faces_of_pairs(all);
       EXPECT_EQ(meetings.all_faces(progress), faces);
       EXPECT_EQ(meetings.faces_at_first(), static_cast<Index>(faces.size()));
       pairs[threads - 1] = meetings.pairs_of(meetings.faces());

@@ -10,12 +10,14 @@
 #include <limits>
 
 #include "exact_predicates.h"
+#include "expect_mesh.h"
 #include "shapes.h"
 
 namespace shrinkwrap {
 namespace {
 
 using testing::crossing_spheres;
+using testing::faces_of_pairs;
 using testing::icosphere;
 using testing::joined;
 using testing::placed;
@@ -249,7 +251,7 @@ TEST(SelfIntersection, FindsAllPairsOfTwoSpheres) {
   const std::vector<Pair> pairs = self_intersections(mesh.positions, mesh.triangles, progress);
   EXPECT_GT(pairs.size(), 50u);
   EXPECT_EQ(pairs, all_pairs(mesh.positions, mesh.triangles));
-  EXPECT_EQ(intersecting_faces(pairs),
+  EXPECT_EQ(faces_of_pairs(pairs),
             self_intersecting_faces(mesh.positions, mesh.triangles, progress));
 }
 
@@ -278,7 +280,7 @@ TEST(SelfIntersection, FindsAllPairsOfSoups) {
                          soup.triangles.end());
     const std::vector<Pair> pairs = self_intersections(soup.positions, soup.triangles, progress);
     EXPECT_EQ(pairs, all_pairs(soup.positions, soup.triangles));
-    EXPECT_EQ(intersecting_faces(pairs),
+    EXPECT_EQ(faces_of_pairs(pairs),
               self_intersecting_faces(soup.positions, soup.triangles, progress));
   }
 }

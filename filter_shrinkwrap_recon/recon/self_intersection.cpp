@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "parallel.h"
-#include "sort_unique.h"
 
 namespace shrinkwrap {
 namespace {
@@ -78,17 +77,6 @@ KeptMeetings keep_meetings(const BoxTree& tree, const TrianglePairs& test,
   kept.faces = meets.faces();
   kept.has_all_pairs = has_all.load();
   return kept;
-}
-
-std::vector<Index> intersecting_faces(const std::vector<std::pair<Index, Index>>& pairs) {
-  std::vector<Index> faces;
-  faces.reserve(2 * pairs.size());
-  for (const auto& [f, g] : pairs) {
-    faces.push_back(f);
-    faces.push_back(g);
-  }
-  sort_unique(faces);
-  return faces;
 }
 
 std::vector<Index> self_intersecting_faces(const std::vector<Vec3>& positions,

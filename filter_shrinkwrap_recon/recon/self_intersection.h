@@ -40,11 +40,8 @@ KeptMeetings keep_meetings(const BoxTree& tree, const TrianglePairs& test,
                            const std::vector<Triangle>& triangles, std::size_t most_per_cluster,
                            Progress& progress);
 
-/// The faces of such pairs, ascending, each once.
-std::vector<Index> intersecting_faces(const std::vector<std::pair<Index, Index>>& pairs);
-
-/// The same faces straight from the mesh: memory O(F) however many pairs there are, and pairs of
-/// faces that are known already are not tested.
+/// The faces of such pairs, ascending, straight from the mesh: memory O(F) however many pairs there
+/// are, and pairs of faces that are known already are not tested.
 std::vector<Index> self_intersecting_faces(const std::vector<Vec3>& positions,
                                            const std::vector<Triangle>& triangles,
                                            Progress& progress);

@@ -479,21 +479,6 @@ SurfaceMesh kept_components(const SurfaceMesh& mesh, const MeshComponents& compo
   return SurfaceMesh::from_triangles(std::move(position), triangles, progress);
 }
 
-double signed_volume(const SurfaceMesh& mesh) {
-  Progress silent;
-  const double six_fold =
-      parallel_sum(mesh.face_slots(), kGrain, silent, 0.0, [&](Index begin, Index end) {
-        double sum = 0.0;
-        for (Index f = begin; f < end; ++f) {
-          if (mesh.is_removed_face(f)) continue;
-          const Triangle t = mesh.triangle(f);
-          sum += mesh.position[t[0]].dot(mesh.position[t[1]].cross(mesh.position[t[2]]));
-        }
-        return sum;
-      });
-  return six_fold / 6.0;
-}
-
 void round_to_host(SurfaceMesh& mesh, const Frame& frame, HostScalar scalar) {
   Progress silent;
   parallel_for_each(mesh.vertex_slots(), kGrain, silent, [&](Index v) {

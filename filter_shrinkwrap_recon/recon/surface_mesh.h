@@ -201,10 +201,6 @@ SurfaceMesh kept_components(const SurfaceMesh& mesh, const MeshComponents& compo
                             const std::vector<char>& is_kept, Progress& progress,
                             std::vector<Index>* new_index = nullptr);
 
-/// Volume that a closed mesh encloses; positive if its faces are oriented outwards. O(F), parallel,
-/// the same for any number of threads.
-double signed_volume(const SurfaceMesh& mesh);
-
 /// Rounds every vertex as a trip through a host layer of that scalar would (see HostScalar).
 void round_to_host(SurfaceMesh& mesh, const Frame& frame, HostScalar scalar);
 
