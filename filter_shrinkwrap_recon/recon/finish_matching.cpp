@@ -6,8 +6,8 @@
 
 #include "close_openings.h"
 #include "draw_in.h"
+#include "removed_vertices.h"
 #include "sort_unique.h"
-#include "voxel_search.h"
 
 namespace shrinkwrap {
 namespace {
@@ -20,46 +20,6 @@ constexpr int kMostTrials = 8;
 // No trial is begun once the repairs of all have tested so many pairs of faces, and so many for
 // each face of the mesh: where much meets in a small one, or lies in planes, each takes a second.
 constexpr std::int64_t kTestsOfTrials = 3000000, kTestsPerFace = 600;
-
-// Faces, by their corners, as they are named once these vertices (ascending) are gone; not those of
-// which one is gone. Both ascending.
-std::vector<Triangle> without_vertices(std::vector<Triangle> faces,
-                                       const std::vector<Index>& removed) {
-  const auto has_gone = [&](const Triangle& t) {
-    return std::any_of(t.begin(), t.end(), [&](Index v) {
-      return std::binary_search(removed.begin(), removed.end(), v);
-    });
-  };
-  faces.erase(std::remove_if(faces.begin(), faces.end(), has_gone), faces.end());
-  for (Triangle& t : faces)
-    for (Index& v : t)
-      v -=
-          static_cast<Index>(std::lower_bound(removed.begin(), removed.end(), v) - removed.begin());
-  return faces;
-}
-
-// Of the vertices removed from `before`, the one that was nearest to the middle of each of the
-// faces that meet others in `after` and did not in `before`.
-std::vector<Index> to_blame(const CompleteMatching& before, const std::vector<Index>& faces_before,
-                            const std::vector<Index>& removed, const CompleteMatching& after,
-                            const std::vector<Index>& faces_after, Progress& progress) {
-  std::vector<Triangle> known;
-  for (const Index f : faces_before) known.push_back(ascending_corners(before.mesh, f));
-  std::sort(known.begin(), known.end());
-  known = without_vertices(std::move(known), removed);
-  std::vector<Vec3> position;
-  for (const Index v : removed) position.push_back(before.mesh.position[v]);
-  const VoxelSearch search(std::move(position), progress);
-  std::vector<Index> nearest;
-  for (const Index f : faces_after) {
-    const Triangle t = ascending_corners(after.mesh, f);
-    if (std::binary_search(known.begin(), known.end(), t)) continue;
-    const std::vector<Vec3>& p = after.mesh.position;
-    nearest.push_back(removed[search.nearest((p[t[0]] + p[t[1]] + p[t[2]]) / 3.0).index]);
-  }
-  sort_unique(nearest);
-  return nearest;
-}
 
 class Finish {
  public:
@@ -147,8 +107,8 @@ void Finish::remove_with_cuts() {
       tests_left -= further.tests;
       if (further.faces_after > report_.repair.faces_after) {
         const std::vector<Index> harmful =
-            to_blame(matching_, report_.repair.remaining_faces, removed, trial,
-                     further.remaining_faces, progress_);
+            removed_nearest_to(matching_.mesh, report_.repair.remaining_faces, removed, trial.mesh,
+                               further.remaining_faces, progress_);
         options.held.insert(options.held.end(), harmful.begin(), harmful.end());
         sort_unique(options.held);
         continue;

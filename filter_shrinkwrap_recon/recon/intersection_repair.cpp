@@ -368,12 +368,6 @@ RepairReport Repair::run(std::vector<Index>* spanning_faces, Index samples) {
 
 }  // namespace
 
-Triangle ascending_corners(const SurfaceMesh& mesh, Index f) {
-  Triangle corners = mesh.triangle(f);
-  std::sort(corners.begin(), corners.end());
-  return corners;
-}
-
 std::vector<Triangle> surroundings(const SurfaceMesh& mesh, const std::vector<Index>& faces) {
   std::vector<Triangle> around;
   for (const Index f : faces_near(mesh, faces, 1)) around.push_back(ascending_corners(mesh, f));

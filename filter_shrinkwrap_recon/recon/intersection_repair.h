@@ -41,9 +41,6 @@ struct RepairOptions {
   std::vector<Triangle> tried = {};
 };
 
-/// Names a face whatever becomes of its index.
-Triangle ascending_corners(const SurfaceMesh& mesh, Index f);
-
 /// The corners, ascending, of these faces and of those within one ring of them; ascending.
 std::vector<Triangle> surroundings(const SurfaceMesh& mesh, const std::vector<Index>& faces);
 

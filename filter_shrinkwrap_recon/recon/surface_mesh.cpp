@@ -479,6 +479,12 @@ SurfaceMesh kept_components(const SurfaceMesh& mesh, const MeshComponents& compo
   return SurfaceMesh::from_triangles(std::move(position), triangles, progress);
 }
 
+Triangle ascending_corners(const SurfaceMesh& mesh, Index f) {
+  Triangle corners = mesh.triangle(f);
+  std::sort(corners.begin(), corners.end());
+  return corners;
+}
+
 void round_to_host(SurfaceMesh& mesh, const Frame& frame, HostScalar scalar) {
   Progress silent;
   parallel_for_each(mesh.vertex_slots(), kGrain, silent, [&](Index v) {

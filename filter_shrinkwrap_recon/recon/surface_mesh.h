@@ -201,6 +201,9 @@ SurfaceMesh kept_components(const SurfaceMesh& mesh, const MeshComponents& compo
                             const std::vector<char>& is_kept, Progress& progress,
                             std::vector<Index>* new_index = nullptr);
 
+/// The corners of a face, which name it whatever becomes of its index.
+Triangle ascending_corners(const SurfaceMesh& mesh, Index f);
+
 /// Rounds every vertex as a trip through a host layer of that scalar would (see HostScalar).
 void round_to_host(SurfaceMesh& mesh, const Frame& frame, HostScalar scalar);
 
