@@ -119,12 +119,18 @@ PointCloud prepared(const std::vector<Vec3>& points) {
 
 // A line by itself says little of its sides.
 TEST(ScanLines, SidesAreComparedFromLineToLine) {
-  for (const double ratio : {6.0, 10.0, 20.0}) {
-    SCOPED_TRACE(ratio);
-    PointCloud cloud = prepared(rings_of_torus(48, ratio));
-    Progress silent;
-    EXPECT_EQ(orient_normals(cloud, {}, silent).components, 1);
-  }
+  for (const double ratio : {6.0, 10.0, 20.0})
+    for (const int asked_for : {16, 24, 64, 128}) {
+      SCOPED_TRACE(ratio);
+      SCOPED_TRACE(asked_for);
+      SampleOptions options;
+      options.neighbours = asked_for;
+      Progress silent;
+      PointCloud cloud = prepare_samples(rings_of_torus(48, ratio), options, silent);
+      EXPECT_TRUE(cloud.conditioning.on_lines);
+      EXPECT_GE(cloud.neighbour_count, asked_for);
+      EXPECT_EQ(orient_normals(cloud, {}, silent).components, 1);
+    }
 }
 
 // The line at the tip of a cone is short, and the next one is as far away as all lines are.

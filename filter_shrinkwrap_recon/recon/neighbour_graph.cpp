@@ -56,7 +56,7 @@ float noise_of(const PointCloud& cloud, Progress& progress) {
 std::vector<int> places_of_edges(const PointCloud& cloud, int neighbours) {
   const int most = std::max(cloud.neighbour_count - 1, 0);
   const int count = std::min(std::max(neighbours, 1), most);
-  const bool spread = cloud.conditioning.neighbours_across_lines > 0 && count > 1;
+  const bool spread = cloud.conditioning.on_lines && count > 1;
   std::vector<int> places;
   for (int i = 0; i < count; ++i) places.push_back(1 + (spread ? i * (most - 1) / (count - 1) : i));
   return places;

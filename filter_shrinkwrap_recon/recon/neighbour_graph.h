@@ -14,7 +14,7 @@ namespace shrinkwrap {
 class NeighbourGraph {
  public:
   /// With the first `neighbours` neighbours of each sample, or as many as the cloud has; where the
-  /// samples lie on lines (ConditioningReport::neighbours_across_lines) with as many, spread from
+  /// samples lie on lines (ConditioningReport::on_lines) with as many, spread from
   /// the nearest to the farthest, of which some lie on the lines beside. The cloud is referred to;
   /// its normals may be of any sign. O(N).
   NeighbourGraph(const PointCloud& cloud, int neighbours, Progress& progress);

@@ -280,9 +280,8 @@ class OutlierSearch {
   const double spacings_per_radius_ = std::sqrt((cloud_.neighbour_count - 1) / kPi);
   // Where samples lie on lines, the lines beside are as far as the farthest neighbours, which are
   // more spacings away the more neighbours it takes.
-  const double widening_ = cloud_.conditioning.neighbours_across_lines > 0
-                               ? std::max(1.0, spacings_per_radius_ / kUsualRadius)
-                               : 1.0;
+  const double widening_ =
+      cloud_.conditioning.on_lines ? std::max(1.0, spacings_per_radius_ / kUsualRadius) : 1.0;
   const Index smallest_ = std::min(options_.smallest_set, std::max<Index>(cloud_.size() / 100, 4));
   std::vector<char> core_, kept_;
   SharedSets sets_{cloud_.size(), progress_};
@@ -309,7 +308,7 @@ OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& point
   SampleOptions as_before;  // what is left lies on lines, or not, as all did
   as_before.neighbours = cloud.neighbour_count;
   as_before.scan_lines.most_neighbours = 0;
-  const int across_lines = cloud.conditioning.neighbours_across_lines;
+  const bool on_lines = cloud.conditioning.on_lines;
   PointCloud rest;
   std::vector<Index> input_index;  // of the points that are left
   const auto leave_out = [&](const PointCloud& from) {
@@ -331,7 +330,7 @@ OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& point
     }
     try {
       rest = prepare_samples(points_at(points, input_index), as_before, progress);
-      rest.conditioning.neighbours_across_lines = across_lines;
+      rest.conditioning.on_lines = on_lines;
     } catch (const InvalidInput&) {
       report.input_index.clear();
       return report;

@@ -231,8 +231,12 @@ PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions&
   progress.set_range(0.3, 0.35);
   cloud.search = VoxelSearch(cloud.position, progress);
   progress.set_range(0.35, 0.4);
-  const int neighbours = neighbours_across_lines(cloud.position, cloud.search, options.neighbours,
-                                                 options.scan_lines, progress);
+  // Lines are lines, also where so many are asked for that they lie on several.
+  const int few = std::min(options.neighbours, SampleOptions::kUsualNeighbours);
+  const int across =
+      neighbours_across_lines(cloud.position, cloud.search, few, options.scan_lines, progress);
+  cloud.conditioning.on_lines = across > few;
+  const int neighbours = std::max(options.neighbours, across);
   if (neighbours != options.neighbours) {
     require_memory_for(cloud.input_index.size(), options.memory_limit, neighbours);
     cloud.conditioning.neighbours_across_lines = neighbours;

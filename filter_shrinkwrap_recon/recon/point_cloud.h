@@ -19,6 +19,9 @@ struct ConditioningReport {
   std::size_t duplicates =
       0;  ///< points at the coordinates of an earlier one (-0 equals 0), left out
   std::size_t distinct = 0;  ///< samples: given - not_finite - duplicates
+  /// The nearest neighbours of a sample lie on a line with it, as in slices: the lines beside are
+  /// as far away as the farthest of its neighbours.
+  bool on_lines = false;
   /// Neighbours per sample in place of those asked for, which lie on lines; 0: as asked for.
   int neighbours_across_lines = 0;
 };
@@ -26,7 +29,8 @@ struct ConditioningReport {
 struct SampleOptions {
   /// Neighbours per sample, the sample itself among them (12 loses thin CAD walls, 16 keeps them).
   /// Where they would lie on one line, there are more: see scan_lines.h.
-  int neighbours = 16;
+  int neighbours = kUsualNeighbours;
+  static constexpr int kUsualNeighbours = 16;
   ScanLineOptions scan_lines;
   /// Bytes that a run may take, looked at again where there are more neighbours; 0: what the
   /// machine has available.
