@@ -45,7 +45,7 @@ DenoisingReport smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise,
   const NoiseOptions& limits = options.noise;
   const double units = std::clamp((noise.upper_fifth - limits.smooth_from) / limits.smooth_unit,
                                   0.0, std::max(limits.most_units, 0.0));
-  const int neighbours = std::max(options.samples.neighbours, cloud.neighbour_count);
+  const int neighbours = options.samples.neighbours;
   if (units > 0.0) {
     const double widening = cloud.conditioning.on_lines ? 0.0 : kWider * units;
     const int wider = static_cast<int>(std::lround(neighbours * (1.0 + widening)));
