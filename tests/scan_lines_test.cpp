@@ -74,14 +74,6 @@ TEST(ScanLines, FewNeighboursAreEnoughOnASphere) {
     EXPECT_GE(neighbours_of(points, neighbours), neighbours) << "two or three are always a line";
 }
 
-// So close together that squares of distances are zero.
-TEST(ScanLines, ClustersOfAnySizeAreBorne) {
-  std::vector<Vec3> points;
-  for (int i = 0; i < 4; ++i)
-    for (int k = 0; k < 40; ++k) points.emplace_back(i, i % 2, 1e-200 * k);
-  EXPECT_GE(neighbours_of(points), 16);
-}
-
 TEST(ScanLines, NoMoreNeighboursWhereTheyDoNotHelp) {
   EXPECT_EQ(neighbours_of(rings_of_torus(48, 100.0)), 16) << "more than the most";
   EXPECT_EQ(neighbours_of(rod(Vec3::Zero(), 1000, 3)), 16) << "a wire";
