@@ -10,8 +10,6 @@
 namespace shrinkwrap::testing {
 namespace {
 
-using testing::signed_volume;
-
 // Samples as the stage wants them.
 PointCloud prepare(const std::vector<Vec3>& points) {
   Progress silent;

@@ -12,8 +12,6 @@
 namespace shrinkwrap::testing {
 namespace {
 
-using testing::signed_volume;
-
 ControlMesh simplify(const SurfaceMesh& mesh, Index target, bool area_weighted = true) {
   ControlMeshOptions options;
   options.target_vertices = target;

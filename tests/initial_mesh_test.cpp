@@ -16,8 +16,6 @@
 namespace shrinkwrap::testing {
 namespace {
 
-using testing::signed_volume;
-
 InitialMesh initial_mesh_of(const PointCloud& samples, const InitialMeshOptions& options = {}) {
   Progress silent;
   return make_initial_mesh(samples, options, silent);

@@ -11,8 +11,6 @@
 namespace shrinkwrap::testing {
 namespace {
 
-using testing::signed_volume;
-
 TEST(Random, IsTheSameEverywhere) {
   // The 10,000th number of a default mt19937_64 is given by the standard.
   Random random(5489);

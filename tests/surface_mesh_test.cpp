@@ -11,8 +11,6 @@
 namespace shrinkwrap::testing {
 namespace {
 
-using testing::signed_volume;
-
 std::vector<Triangle> tetrahedron() {
   return {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
 }

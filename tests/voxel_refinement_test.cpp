@@ -18,8 +18,6 @@
 namespace shrinkwrap::testing {
 namespace {
 
-using testing::signed_volume;
-
 InitialMesh initial_mesh_of(const PointCloud& cloud, double dense_spacing) {
   Progress silent;
   InitialMeshOptions options;
