@@ -32,7 +32,11 @@ std::string conditioning_line(const ConditioningReport& report, double spacing) 
          (report.neighbours_across_lines > 0
               ? "; they lie on lines: " + std::to_string(report.neighbours_across_lines) +
                     " neighbours each, to see across"
-              : "");
+              : "") +
+         (report.near_copies.empty()
+              ? ""
+              : "; " + std::to_string(report.near_copies.size()) +
+                    " of them lie where others do, but for a little, and become vertices at last");
 }
 
 namespace {

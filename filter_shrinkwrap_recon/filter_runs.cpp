@@ -98,10 +98,26 @@ PointCloud prepare_to_match(const FilterInput& input, ReconstructionOptions opti
   return cloud;
 }
 
-// As a mesh through them has them: with the outliers that the matching made samples again.
-PointCloud prepare_as_matched(const FilterInput& input, const ReconstructionOptions& options,
+// Whether a near copy is a vertex of the mesh, as in one that is finished.
+bool has_near_copies(const FilterInput& input, const PointCloud& cloud) {
+  std::vector<Vec3> copies;
+  for (const NearCopy& pair : cloud.conditioning.near_copies)
+    copies.push_back(input.points[pair.copy]);
+  std::sort(copies.begin(), copies.end(), coordinates_less);
+  return std::any_of(input.mesh.position.begin(), input.mesh.position.end(), [&](const Vec3& p) {
+    return p.allFinite() && std::binary_search(copies.begin(), copies.end(), p, coordinates_less);
+  });
+}
+
+// As a mesh through them has them: with the outliers that the matching made samples again, and with
+// near copies if it has those already.
+PointCloud prepare_as_matched(const FilterInput& input, ReconstructionOptions options,
                               OutlierReport& outliers, Progress& progress) {
   PointCloud cloud = without_outliers(input, options, outliers, progress);
+  if (has_near_copies(input, cloud)) {
+    options.samples.near_copies.enabled = false;
+    cloud = without_outliers(input, options, outliers, progress);
+  }
   keep_outliers_among(cloud, outliers, input.points, input.mesh.position, progress);
   return cloud;
 }
@@ -341,7 +357,7 @@ FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterIn
   progress.begin(Stage::report);
   const bool is_counted = request.options.intersection_repair.enabled;
   const MeshReport checked =
-      check_promise(outcome.mesh, points_at(input.points, cloud.input_index),
+      check_promise(outcome.mesh, points_at(input.points, cloud.input_indices()),
                     is_counted ? repair.faces_after : kNone, promise_of(request.options), progress);
   for (const auto& [name, value] : figures_of(checked)) outcome.figures[name] = value;
   outcome.log.push_back(kSucceeded + verdict_of(checked));
@@ -353,7 +369,7 @@ std::vector<Vec3> samples_to_match(const FilterInput& input, const Reconstructio
                                    OutlierReport& outliers, Progress& progress) {
   try {
     const PointCloud cloud = prepare_as_matched(input, options, outliers, progress);
-    return points_at(input.points, cloud.input_index);
+    return points_at(input.points, cloud.input_indices());
   } catch (const InvalidInput&) {
     return input.points;
   }

@@ -112,6 +112,26 @@ TEST(FilterRuns, ChainOverScanLinesGivesTheBytesOfTheOneShot) {
   EXPECT_EQ(one_shot.mesh.position.size(), input.points.size());
 }
 
+TEST(FilterRuns, ChainOverNearCopiesGivesTheBytesOfTheOneShot) {
+  const std::vector<Vec3> alone = sample_shape_blue_noise(ShapeKind::torus, 1500, 1);
+  std::vector<Vec3> points = alone;
+  Random random(2);
+  for (const Vec3& p : alone) points.push_back(p + 1e-4 * random.in_cube());
+  FilterInput input;
+  input.points = in_single_precision(points);
+  const FilterOutcome one_shot = run(Filter::reconstruct, input);
+  EXPECT_TRUE(is_told(one_shot, "3000 samples"));
+  EXPECT_TRUE(is_told(one_shot, "; 1500 of them lie where others do, but for a little"));
+  expect_same_bytes(one_shot.mesh, run_chain(input.points, {}).mesh);
+  EXPECT_EQ(one_shot.mesh.position.size(), input.points.size());
+
+  // A finished mesh has them already.
+  const FilterInput finished = through_layer(input.points, one_shot);
+  const FilterOutcome again = run(Filter::edge_optimisation, finished);
+  EXPECT_EQ(std::get<Index>(again.figures.at("samples_matched")), 3000);
+  EXPECT_EQ(std::get<Index>(again.figures.at("extra_vertices")), 0);
+}
+
 TEST(FilterRuns, ChainToTheSurfaceOfANoisyCloudGivesTheBytesOfTheOneShot) {
   SampleDefects defects;
   defects.noise = 0.6;

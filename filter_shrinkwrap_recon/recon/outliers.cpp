@@ -296,6 +296,23 @@ std::vector<Index> find_outliers(const PointCloud& cloud, const OutlierOptions& 
   return OutlierSearch(cloud, options, progress).find();
 }
 
+namespace {
+
+// Near copies of samples that were left out are left out too.
+void leave_out_copies(PointCloud& cloud, OutlierReport& report) {
+  std::vector<Index> originals = report.input_index;
+  std::sort(originals.begin(), originals.end());
+  std::vector<NearCopy>& copies = cloud.conditioning.near_copies;
+  const auto is_left_out = [&](const NearCopy& pair) {
+    return std::binary_search(originals.begin(), originals.end(), pair.original);
+  };
+  for (const NearCopy& pair : copies)
+    if (is_left_out(pair)) report.input_index.push_back(pair.copy);
+  copies.erase(std::remove_if(copies.begin(), copies.end(), is_left_out), copies.end());
+}
+
+}  // namespace
+
 OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& points,
                                const OutlierOptions& options, Progress& progress) {
   progress.begin(Stage::outliers);
@@ -308,6 +325,7 @@ OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& point
   SampleOptions as_before;  // what is left lies on lines, or not, as all did
   as_before.neighbours = cloud.neighbour_count;
   as_before.scan_lines.most_neighbours = 0;
+  as_before.near_copies.enabled = false;
   const bool on_lines = cloud.conditioning.on_lines;
   PointCloud rest;
   std::vector<Index> input_index;  // of the points that are left
@@ -344,6 +362,7 @@ OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& point
   }
   rest.conditioning = cloud.conditioning;
   cloud = std::move(rest);
+  leave_out_copies(cloud, report);
   std::sort(report.input_index.begin(), report.input_index.end());
   return report;
 }

@@ -110,9 +110,12 @@ double rounding_of_input(const std::vector<Vec3>& points, const PointCloud& clou
   return 2.0 * unit_roundoff * extremes.largest * cloud.frame.scale + 1e-12;
 }
 
-// A closed surface needs samples on all sides: refuses what is flat up to the rounding of its
-// coordinates.
-void refuse_flat(const PointCloud& cloud, double tolerance, Progress& progress) {
+// Of the samples, from the plane and from the line that fit them best: the farthest.
+struct Extent {
+  double from_plane, from_line;
+};
+
+Extent extent_of(const PointCloud& cloud, Progress& progress) {
   const auto& position = cloud.position;
   const Vec3 mean = parallel_sum<Vec3>(cloud.size(), kGrain, progress, Vec3(Vec3::Zero()),
                                        [&](Index begin, Index end) {
@@ -143,12 +146,47 @@ void refuse_flat(const PointCloud& cloud, double tolerance, Progress& progress) 
         }
         return box;
       }).high;
-  const double from_plane = farthest.x(), from_line = farthest.y();
-  if (from_plane > tolerance) return;
+  return {farthest.x(), farthest.y()};
+}
+
+// A closed surface needs samples on all sides: refuses what is flat up to the rounding of its
+// coordinates.
+void refuse_flat(const PointCloud& cloud, double tolerance, Progress& progress) {
+  const Extent extent = extent_of(cloud, progress);
+  if (extent.from_plane > tolerance) return;
   throw InvalidInput("all " + std::to_string(cloud.size()) + " distinct points lie " +
-                     (from_line > tolerance ? "in one plane" : "on one line") +
+                     (extent.from_line > tolerance ? "in one plane" : "on one line") +
                      ": no closed surface passes through them. Add points off it, or triangulate "
                      "flat points with a planar method.");
+}
+
+// Leaves near copies out, unless what is left is flat. Pre: `cloud.search` was made.
+void leave_out_near_copies(PointCloud& cloud, const NearCopyOptions& options, double tolerance,
+                           Progress& progress) {
+  std::vector<NearCopy> copies = find_near_copies(cloud.position, cloud.search, options, progress);
+  if (copies.empty()) return;
+  std::vector<char> is_copy(cloud.position.size(), 0);
+  for (const NearCopy& pair : copies) is_copy[pair.copy] = 1;
+  PointCloud rest;
+  std::vector<Index> input_index;
+  for (Index i = 0; i < cloud.size(); ++i) {
+    if (is_copy[i]) continue;
+    rest.position.push_back(cloud.position[i]);
+    input_index.push_back(cloud.input_index[i]);
+  }
+  if (!(extent_of(rest, progress).from_plane > tolerance)) return;
+  for (NearCopy& pair : copies)
+    pair = {cloud.input_index[pair.copy], cloud.input_index[pair.original]};
+  // The curve runs through the box of the samples, which may be smaller now.
+  const std::vector<Index> order = morton_order(rest.position, progress);
+  cloud.position.clear();
+  cloud.input_index.clear();
+  for (const Index i : order) {
+    cloud.position.push_back(rest.position[i]);
+    cloud.input_index.push_back(input_index[i]);
+  }
+  cloud.conditioning.near_copies = std::move(copies);
+  cloud.search = VoxelSearch(cloud.position, progress);
 }
 
 void refuse_few(const ConditioningReport& report) {
@@ -226,10 +264,12 @@ PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions&
   parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
     cloud.position[i] = cloud.frame.to_unit(points[cloud.input_index[i]]);
   });
-  refuse_flat(cloud, rounding_of_input(points, cloud, progress), progress);
+  const double tolerance = rounding_of_input(points, cloud, progress);
+  refuse_flat(cloud, tolerance, progress);
 
   progress.set_range(0.3, 0.35);
   cloud.search = VoxelSearch(cloud.position, progress);
+  leave_out_near_copies(cloud, options.near_copies, tolerance, progress);
   progress.set_range(0.35, 0.4);
   // Lines are lines, also where so many are asked for that they lie on several.
   const int few = std::min(options.neighbours, SampleOptions::kUsualNeighbours);
@@ -250,14 +290,20 @@ bool is_exact_in_unit_frame(const PointCloud& cloud, const std::vector<Vec3>& po
                             Progress& progress) {
   // The scale is a power of two, and to subtract the centre rounds nothing (unit_frame).
   const Frame& frame = cloud.frame;
-  return parallel_sum(cloud.size(), kGrain, progress, Index{0}, [&](Index begin, Index end) {
-           Index inexact = 0;
-           for (Index i = begin; i < end; ++i) {
-             const Vec3 back = cloud.position[i] / frame.scale + frame.center;
-             inexact += back != points[cloud.input_index[i]];
-           }
-           return inexact;
-         }) == 0;
+  const std::vector<NearCopy>& copies = cloud.conditioning.near_copies;
+  const auto is_exact = [&](const Vec3& position, Index input_index) {
+    return position / frame.scale + frame.center == points[input_index];
+  };
+  return parallel_sum(cloud.size(), kGrain, progress, Index{0},
+                      [&](Index begin, Index end) {
+                        Index inexact = 0;
+                        for (Index i = begin; i < end; ++i)
+                          inexact += !is_exact(cloud.position[i], cloud.input_index[i]);
+                        return inexact;
+                      }) == 0 &&
+         std::all_of(copies.begin(), copies.end(), [&](const NearCopy& pair) {
+           return is_exact(frame.to_unit(points[pair.copy]), pair.copy);
+         });
 }
 
 void measure_neighbourhoods(PointCloud& cloud, int neighbours, Progress& progress) {
@@ -288,6 +334,12 @@ std::vector<Vec3> points_at(const std::vector<Vec3>& points,
   result.reserve(input_index.size());
   for (const Index i : input_index) result.push_back(points[i]);
   return result;
+}
+
+std::vector<Index> PointCloud::input_indices() const {
+  std::vector<Index> indices = input_index;
+  for (const NearCopy& pair : conditioning.near_copies) indices.push_back(pair.copy);
+  return indices;
 }
 
 double PointCloud::spacing_beside(Index sample) const {

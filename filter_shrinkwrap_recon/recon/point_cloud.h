@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "near_copies.h"
 #include "progress.h"
 #include "scan_lines.h"
 #include "types.h"
@@ -19,6 +20,9 @@ struct ConditioningReport {
   std::size_t duplicates =
       0;  ///< points at the coordinates of an earlier one (-0 equals 0), left out
   std::size_t distinct = 0;  ///< samples: given - not_finite - duplicates
+  /// Of the samples, those that are no part of the cloud, since they lie where one that is does,
+  /// but for a little: they become vertices at last (near_copy_insertion.h). Indices of points.
+  std::vector<NearCopy> near_copies;
   /// The nearest neighbours of a sample lie on a line with it, as in slices: the lines beside are
   /// as far away as the farthest of its neighbours.
   bool on_lines = false;
@@ -32,6 +36,7 @@ struct SampleOptions {
   int neighbours = kUsualNeighbours;
   static constexpr int kUsualNeighbours = 16;
   ScanLineOptions scan_lines;
+  NearCopyOptions near_copies;
   /// Bytes that a run may take, looked at again where there are more neighbours; 0: what the
   /// machine has available.
   std::uint64_t memory_limit = 0;
@@ -76,6 +81,14 @@ class PointCloud {
   /// After `denoise`, of each sample: its index before. Empty where samples are where the caller
   /// had them.
   std::vector<Index> index_before;
+
+  /// Of a sample in the caller's array; from `size()` on, of a near copy.
+  Index input_index_of(SampleId sample) const {
+    const Index i = to_index(sample);
+    return i < size() ? input_index[i] : conditioning.near_copies[i - size()].copy;
+  }
+  /// Of all samples, near copies after the others.
+  std::vector<Index> input_indices() const;
 
   bool is_denoised() const { return !index_before.empty(); }  ///< see denoising.h
   Index size() const { return static_cast<Index>(position.size()); }

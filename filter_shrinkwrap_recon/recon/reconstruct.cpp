@@ -13,6 +13,7 @@
 #include "finish_matching.h"
 #include "freed_memory.h"
 #include "memory_estimate.h"
+#include "near_copy_insertion.h"
 #include "outliers_on_surface.h"
 #include "second_attempt.h"
 #include "self_intersection.h"
@@ -259,7 +260,7 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   progress.begin(Stage::report);
   const std::vector<Vec3> kept = result.outliers.input_index.empty()
                                      ? std::vector<Vec3>()
-                                     : points_at(points, cloud.input_index);
+                                     : points_at(points, cloud.input_indices());
   cloud = PointCloud();
   const bool is_counted =
       !options.stop_at_parametric_surface && options.intersection_repair.enabled;
@@ -394,6 +395,7 @@ bool match_on_surface(FittedSurface& fitted, PointCloud& cloud, const std::vecto
   detail.upper_twentieth = samples.upper_twentieth;
   undo_denoising(cloud, moved, options.samples.neighbours, options.orientation.plane_neighbours,
                  progress);
+  cloud.conditioning.near_copies.clear();  // which have not moved
   bool is_better = false;
   attempted([&] {  // there is the surface
     progress.set_part(0.3, 1.0);
@@ -488,11 +490,17 @@ OptimisedMesh optimise_matching(CompleteMatching& matching, const PointCloud& cl
     repair = std::move(finish.repair);
     result.removed_extra = finish.removed_extra;
   }
+  result.extra_vertices = extra_vertices_kept(matching.mesh, cloud.size(), matching.opening_faces);
+  if (!cloud.conditioning.near_copies.empty()) {
+    insert_near_copies(matching, cloud, points, progress);
+    if (options.intersection_repair.enabled)
+      repair.add(repair_self_intersections(matching.mesh, options.intersection_repair, progress,
+                                           matching.opening_faces, &matching.spanning_faces));
+  }
   progress.set_part(0.8, 0.85);
   const std::vector<Index>& dropped = matching.opening_faces;
   turn_outward(matching.mesh, dropped, progress);
   progress.set_part(0.85, 1.0);
-  result.extra_vertices = extra_vertices_kept(matching.mesh, cloud.size(), dropped);
   result.mesh = to_result(matching, cloud, points, progress);
   drop_faces(result.mesh, dropped, progress);
   repair.remaining_faces = indices_after_drop(repair.remaining_faces, dropped);

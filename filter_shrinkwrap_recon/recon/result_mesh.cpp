@@ -25,14 +25,15 @@ ResultMesh to_result(const SurfaceMesh& mesh, const Frame& frame, Progress& prog
 ResultMesh to_result(const CompleteMatching& matching, const PointCloud& cloud,
                      const std::vector<Vec3>& points, Progress& progress) {
   const SurfaceMesh& mesh = matching.mesh;
-  const Index samples = cloud.size();
 
   // The caller's order: rank of each sample by its input index.
   std::vector<char> is_sample(points.size(), 0);
-  parallel_for_each(samples, kGrain, progress,
-                    [&](Index i) { is_sample[cloud.input_index[i]] = 1; });
+  parallel_for_each(mesh.vertex_slots(), kGrain, progress, [&](Index v) {
+    const SampleId sample = matching.sample_of_vertex[v];
+    if (sample != SampleId::none) is_sample[cloud.input_index_of(sample)] = 1;
+  });
   std::vector<Index> rank;  // of each point of the input
-  parallel_number(
+  const Index samples = parallel_number(
       static_cast<Index>(points.size()), kGrain, progress,
       [&](Index i) { return is_sample[i] != 0; }, rank);
   std::vector<Index> extra;  // rank of each vertex that is none
@@ -50,7 +51,7 @@ ResultMesh to_result(const CompleteMatching& matching, const PointCloud& cloud,
       output[v] = samples + extra[v];
       result.position[output[v]] = cloud.frame.to_input(mesh.position[v]);
     } else {
-      const Index input = cloud.input_index[to_index(sample)];
+      const Index input = cloud.input_index_of(sample);
       output[v] = rank[input];
       result.input_index[output[v]] = input;
       result.position[output[v]] = points[input];
