@@ -11,6 +11,7 @@
 
 #include "cleaned_cloud.h"
 #include "expect_mesh.h"
+#include "morton.h"
 #include "near_copy_insertion.h"
 #include "outliers.h"
 #include "reconstruct.h"
@@ -182,6 +183,30 @@ TEST(NearCopies, OfStrayPointsAreStrayToo) {
   EXPECT_EQ(result.report.input_index.size(), 6u);
   EXPECT_TRUE(std::is_sorted(result.report.input_index.begin(), result.report.input_index.end()));
   EXPECT_EQ(result.cloud.input_indices().size(), 6000u);
+}
+
+// Copies of copies are found once: what is left when stray points have gone is not looked at again.
+TEST(NearCopies, AreNotLostWithStrayPoints) {
+  std::vector<Vec3> alone = sample_shape_blue_noise(ShapeKind::sphere, 600, 12);
+  alone.emplace_back(2.0, 0.2, 0.1);
+  const std::vector<Vec3> points = with_copies(with_copies(alone, 4, 1e-3), 3, 1e-7);
+  const testing::Cleaned result = cleaned(points);
+  EXPECT_FALSE(result.report.input_index.empty());
+  EXPECT_FALSE(result.cloud.conditioning.near_copies.empty());
+  EXPECT_EQ(result.cloud.input_indices().size() + result.report.input_index.size(), points.size());
+}
+
+// As their searches expect them.
+TEST(NearCopies, LeaveTheOthersInOrder) {
+  const std::vector<Vec3> points =
+      with_copies(sample_shape_blue_noise(ShapeKind::sphere, 3000, 13), 3, 2e-3);
+  Progress silent;
+  const PointCloud cloud = prepare_samples(points, {}, silent);
+  ASSERT_FALSE(cloud.conditioning.near_copies.empty());
+  const std::vector<Index> order = morton_order(cloud.position, silent);
+  EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
+  for (Index i = 0; i < cloud.size(); ++i)
+    EXPECT_EQ(cloud.position[i], cloud.frame.to_unit(points[cloud.input_index[i]]));
 }
 
 // They are where the surface is not, which the samples have moved onto.
