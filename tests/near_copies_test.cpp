@@ -171,6 +171,23 @@ TEST(NearCopies, OfTheRimOfAnOpeningAreVerticesToo) {
   }
 }
 
+// Frames of a depth camera: the copies lie along the line of sight, beyond the border for the half.
+TEST(NearCopies, AlongOneDirectionKeepTheBorderClean) {
+  std::vector<Vec3> points;
+  for (int copy = 0; copy < 6; ++copy)
+    for (int x = 0; x < 40; ++x)
+      for (int y = 0; y < 40; ++y)
+        points.emplace_back(Vec3(x, y, 3.0 * std::sin(x / 5.0) * std::cos(y / 7.0)) +
+                            2.5e-5 * copy * Vec3(1.0, 2.0, 3.0));
+  ReconstructionOptions options;
+  options.complete_matching.openings = CompleteMatchingOptions::Openings::leave_open;
+  Progress silent;
+  const Reconstruction result = reconstruct(points, options, silent);
+  EXPECT_EQ(result.report.samples_matched, 9600);
+  EXPECT_EQ(result.report.border_loops, 1);
+  EXPECT_LE(result.intersection_repair.faces_after, 6);  // hundreds if none moved the border
+}
+
 TEST(NearCopies, OfStrayPointsAreStrayToo) {
   std::vector<Vec3> alone = sample_shape_blue_noise(ShapeKind::sphere, 2000, 10);
   alone.emplace_back(1.7, 0.2, 0.1);

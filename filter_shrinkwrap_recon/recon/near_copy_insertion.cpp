@@ -149,31 +149,73 @@ class NearCopyInserter {
       if (is_better) best = place;
     });
     for (int step = 0; step < kMostSteps && best.least() < 0.0; ++step) {
-      const Index corner = static_cast<Index>(
-          std::min_element(best.weight.begin(), best.weight.end()) - best.weight.begin());
-      const Index beyond = SurfaceMesh::face(mesh_.twin(SurfaceMesh::next(3 * best.face + corner)));
-      if (is_opening(beyond)) break;
-      const Place next = place_in(beyond, p);
-      if (!std::isfinite(next.least())) break;
+      // Across the edge that the point lies farthest beyond.
+      Place next;
+      double farthest = 0.0;
+      for (Index corner = 0; corner < 3; ++corner) {
+        const double weight = best.weight[corner];
+        const Index beyond = face_across(best.face, corner);
+        if (!(weight < farthest) || is_opening(beyond)) continue;
+        farthest = weight;
+        next = place_in(beyond, p);
+      }
+      if (next.face == kNone || !std::isfinite(next.least())) break;
       best = next;
     }
     return best;
   }
 
+  // Half-edge that a corner of a face looks at.
+  static Index edge_across(Index f, Index corner) { return SurfaceMesh::next(3 * f + corner); }
+  Index face_across(Index f, Index corner) const {
+    return SurfaceMesh::face(mesh_.twin(edge_across(f, corner)));
+  }
+
+  // The half-edge of the opening that the point lies in, if it is beyond no other edge; or kNone.
+  Index border_before(const Place& place) const {
+    Index border = kNone;
+    for (Index corner = 0; corner < 3 && kind_[place.face] != kOpening; ++corner) {
+      if (place.weight[corner] > 0.0) continue;
+      const Index beyond = mesh_.twin(edge_across(place.face, corner));
+      if (border != kNone || kind_[SurfaceMesh::face(beyond)] != kOpening) return kNone;
+      border = beyond;
+    }
+    return border;
+  }
+
   void insert_one(Index original, const Vec3& p) {
     const Place place = find(original, seen(p));
+    const Index border = border_before(place);
     const Index first_new_face = mesh_.face_slots();
     const Index vertex = mesh_.split_face(place.face, p);
     group_.push_back(vertex);
     const Kind kind = kind_[place.face];
     kind_.resize(mesh_.face_slots(), kind);
     if (kind != kSurface)
-      for (std::vector<Index>* faces : {&matching_.opening_faces, &matching_.spanning_faces})
-        if (std::binary_search(faces->begin(), faces->end(), place.face))
-          for (Index f = first_new_face; f < mesh_.face_slots(); ++f) faces->push_back(f);
+      for (Index f = first_new_face; f < mesh_.face_slots(); ++f) mark_as(place.face, f);
+    if (border != kNone && mesh_.is_flip_legal(border)) {
+      // It goes through the vertex then, and both its faces are the opening's.
+      const Index outside = SurfaceMesh::face(border),
+                  inside = SurfaceMesh::face(mesh_.twin(border));
+      mesh_.flip(border);
+      kind_[inside] = kOpening;
+      mark_as(outside, inside);
+    }
     stack_.clear();
     mesh_.for_each_outgoing(vertex, [&](Index h) { stack_.push_back(SurfaceMesh::next(h)); });
     flip_to_delaunay();
+  }
+
+  // Makes a face one of the openings, or of those that span, if another is.
+  void mark_as(Index other, Index f) {
+    for (std::vector<Index>* faces : {&matching_.opening_faces, &matching_.spanning_faces}) {
+      const auto place_of = [&](Index face) {
+        return std::lower_bound(faces->begin(), faces->end(), face);
+      };
+      const auto of_other = place_of(other), own = place_of(f);
+      if (of_other == faces->end() || *of_other != other) continue;
+      if (own == faces->end() || *own != f) faces->insert(own, f);
+    }
   }
 
   // Flips edges in the plane as long as that helps, each to one that ends at the sample or its

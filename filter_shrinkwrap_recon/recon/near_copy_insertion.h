@@ -12,8 +12,9 @@ namespace shrinkwrap {
 /// there into the triangles below them, whose edges become Delaunay as seen along the normal of the
 /// plane: of all directions that are tried the one that shows the triangles and the distances of
 /// the copies best. So no face turns away from it, and none meets another as long as no other part
-/// of the surface is that near. Triangles of faces that span openings span them too; no copy goes
-/// into a face that stays open, but into the nearest one beside.
+/// of the surface is that near. Triangles of faces that span openings span them too. Where a copy
+/// lies in one that stays open, its border is moved out to it, or it goes into the nearest face
+/// beside.
 ///
 /// The copies become the vertices after all others, in the order of `cloud.conditioning`, and stand
 /// for the samples `cloud.size()` and up (see `PointCloud::input_index_of`). Pre: vertex i below
