@@ -13,7 +13,7 @@ namespace {
 constexpr int kTurns = 16;                          // directions around a middle one
 constexpr double kTilts[] = {0.15, 0.3, 0.6, 1.2};  // tangents of their angles with it
 constexpr int kSteps = 64;                          // to the middle one
-constexpr double kWeightOfWays = 4.0;
+constexpr double kWeightOfWays = 4.0;               // of the angles between places, x faces
 constexpr int kMostSteps = 64;  // from triangle to triangle on the way to a copy
 constexpr int kFlipsPerCopy = 64;
 
