@@ -71,7 +71,9 @@ TEST(NearCopies, TheOriginalIsInTheMiddle) {
   std::vector<Vec3> points = sample_shape_blue_noise(ShapeKind::sphere, 400, 2);
   for (std::size_t i = 0; i < 400; ++i)
     for (const double factor : {1.001, 0.999}) points.push_back(factor * points[i]);
-  for (const NearCopy& pair : copies_of(points)) EXPECT_LT(pair.original, 400);
+  const std::vector<NearCopy> copies = copies_of(points);
+  EXPECT_EQ(copies.size(), 800u);
+  for (const NearCopy& pair : copies) EXPECT_LT(pair.original, 400);
 }
 
 TEST(NearCopies, AreNoneByChance) {

@@ -29,8 +29,9 @@ struct NearCopy {
 
 /// Which samples are copies, and of which, by their originals, ascending: of each group that lies
 /// together far from all others (see the options), at most 16 samples, the original is the one in
-/// its middle. None is both. One neighbourhood in many tells whether there are enough; if so, O(N
-/// log N), parallel. Pre: `search` was made of the points.
+/// its middle. None is both. Of fewer than 100 samples none is a copy. One neighbourhood in many
+/// tells whether there are enough; if so, O(N log N), parallel. Pre: `search` was made of the
+/// points.
 std::vector<NearCopy> find_near_copies(const std::vector<Vec3>& points, const VoxelSearch& search,
                                        const NearCopyOptions& options, Progress& progress);
 

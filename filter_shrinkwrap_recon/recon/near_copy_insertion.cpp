@@ -41,7 +41,7 @@ class NearCopyInserter {
   }
 
  private:
-  // Of a face. Openings stay as they are: a vertex needs a face that is none.
+  // Of a face. No copy goes into an opening: a vertex needs a face that is none.
   enum Kind : char { kSurface, kSpanning, kOpening };
 
   struct Place {
@@ -60,7 +60,7 @@ class NearCopyInserter {
     return normals;
   }
 
-  // The direction from which the steepest of these is least so.
+  // The direction from which the steepest of these is least so; zero if there are none.
   static Vec3 middle_of(const std::vector<Vec3>& normals) {
     Vec3 middle = Vec3::Zero();
     for (const Vec3& normal : normals) middle += normal;
@@ -86,7 +86,8 @@ class NearCopyInserter {
   // and how near to each other two of the places are, x their distance.
   Vec3 best_direction(Index original, const std::vector<Vec3>& places) const {
     const std::vector<Vec3> normals = normals_around(original);
-    const Vec3 middle = normals.empty() ? mesh_.vertex_normal(original) : middle_of(normals);
+    Vec3 middle = middle_of(normals);
+    if (middle.isZero()) middle = mesh_.vertex_normal(original);  // or all faces are degenerate
     std::vector<Vec3> ways;
     for (std::size_t i = 0; i < places.size(); ++i) {
       ways.push_back(unit_or_zero(places[i] - origin_));
