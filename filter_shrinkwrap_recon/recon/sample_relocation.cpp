@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kMostFaces = 64;    // around a vertex that is relocated
 constexpr std::size_t kMostPlaces = 64;   // faces that are tried for it, the nearest
 constexpr double kWeightOfLength = 1e-3;  // of the edge that cuts off an ear, beside its bending
-constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
+constexpr std::ptrdiff_t kAny = std::numeric_limits<std::ptrdiff_t>::max();
 
 class Relocation {
  public:
@@ -88,12 +88,19 @@ class Relocation {
     return {};
   }
 
+  // Appends the pairs of a tile of the ring, the vertex being out of it; false if they are too
+  // many.
+  bool find(const Triangle& tile, Index slot, std::ptrdiff_t most, std::vector<Pair>& pairs) const {
+    const auto has_vertex = [this](Index f) { return this->has_vertex(f); };
+    return meetings_.find(tile, slot, static_cast<std::size_t>(most), has_vertex, pairs);
+  }
+
   // All with the most pairs that may be left.
   bool cut_ears(std::ptrdiff_t most);
   bool tile_last_face(std::ptrdiff_t most);
   Place best_place(std::ptrdiff_t most) const;
   std::ptrdiff_t pair_count() const { return static_cast<std::ptrdiff_t>(pairs_.size()); }
-  bool rate(Index f, std::ptrdiff_t most, Place& place) const;
+  bool rate(Index f, const Place& best, Place& place) const;
   void put_into(const Place& place);
 
   SurfaceMesh& mesh_;
@@ -111,7 +118,6 @@ class Relocation {
 
 // Flips edges away from the vertex until it has three. False if more pairs come of it than may.
 bool Relocation::cut_ears(std::ptrdiff_t most) {
-  const auto has_vertex = [&](Index g) { return this->has_vertex(g); };
   for (std::size_t faces = star_.size(); faces > 3; --faces) {
     Index best = kNone;
     Triangle best_ear{};
@@ -126,10 +132,13 @@ bool Relocation::cut_ears(std::ptrdiff_t most) {
       const double bending = kWeightOfLength * (at(ear[0]) - at(ear[1])).norm() +
                              bending_across(SurfaceMesh::next(h), normal) +
                              bending_across(SurfaceMesh::prev(o), normal);
+      std::ptrdiff_t most_of_ear = kAny;
+      if (best != kNone) {
+        const bool bends_less = bending < best_bending;
+        most_of_ear = static_cast<std::ptrdiff_t>(best_pairs.size()) - (bends_less ? 0 : 1);
+      }
       pairs.clear();
-      if (!meetings_.find(ear, slot, best == kNone ? kAny : best_pairs.size(), has_vertex, pairs))
-        return;
-      if (best != kNone && pairs.size() == best_pairs.size() && bending >= best_bending) return;
+      if (most_of_ear < 0 || !find(ear, slot, most_of_ear, pairs)) return;
       best = h;
       best_ear = ear;
       best_pairs.swap(pairs);
@@ -153,14 +162,14 @@ bool Relocation::tile_last_face(std::ptrdiff_t most) {
   last_three_ = {SurfaceMesh::face(h), SurfaceMesh::face(g), SurfaceMesh::face(k)};
   const Triangle last = {mesh_.target(h), mesh_.target(g), mesh_.target(k)};
   if (!is_sound(last)) return false;
-  const auto has_vertex = [&](Index f) { return this->has_vertex(f); };
-  if (!meetings_.find(last, last_three_[0], kAny, has_vertex, pairs_)) return false;
+  if (!find(last, last_three_[0], most - pair_count(), pairs_)) return false;
   tiles_.push_back(last);
-  return pair_count() <= most;
+  return true;
 }
 
-// Rates a face as a place that adds at most so many pairs; false if it adds more.
-bool Relocation::rate(Index f, std::ptrdiff_t most, Place& place) const {
+// Rates a face as a place. False if it is no better than the best: it adds more pairs, or as many
+// and bends no less.
+bool Relocation::rate(Index f, const Place& best, Place& place) const {
   const Triangle t = mesh_.triangle(f);
   std::array<Triangle, 3> part;
   std::array<Vec3, 3> normal;
@@ -180,6 +189,8 @@ bool Relocation::rate(Index f, std::ptrdiff_t most, Place& place) const {
   const auto was_around = [&](Index g) {
     return std::find(star_.begin(), star_.end(), g) != star_.end();
   };
+  const bool bends_less = best.face == kNone || place.bending < best.bending;
+  const std::ptrdiff_t most = bends_less ? best.change : best.change - 1;
   std::ptrdiff_t gone = 0;
   for (const auto& [tile, g] : pairs_) gone += tile == f || g == f ? 1 : 0;
   if (!was_around(f))
@@ -215,11 +226,8 @@ Relocation::Place Relocation::best_place(std::ptrdiff_t most) const {
   std::partial_sort(by_distance.begin(), by_distance.begin() + count, by_distance.end());
   Place best, place;
   best.change = most - pair_count();
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!rate(by_distance[i].second, best.change, place)) continue;
-    if (best.face == kNone || place.change < best.change || place.bending < best.bending)
-      std::swap(best, place);
-  }
+  for (std::size_t i = 0; i < count; ++i)
+    if (rate(by_distance[i].second, best, place)) std::swap(best, place);
   return best;
 }
 
