@@ -123,6 +123,54 @@ TEST(IntersectionRelaxation, RepairsWhatSmoothingLeaves) {
   expect_closed_manifold(mesh, 1, 1);
 }
 
+// Two rings through each other: more faces meet for a while than before.
+SurfaceMesh crossing_rings(double size, const Vec3& at) {
+  return joined({torus_mesh(60, 24), placed(torus_mesh(60, 24), size, at)});
+}
+
+TEST(IntersectionRelaxation, KeepsTheRoundInWhichTheFewestFacesMeet) {
+  const SurfaceMesh before = crossing_rings(1.0, Vec3(0.31, 0.02, 0.01));
+  RelaxationOptions options;
+  options.repair.enabled = false;
+  Progress silent;
+  Index fewest = static_cast<Index>(faces_that_meet(before).size());
+  SurfaceMesh best = before;
+  int gains = 0, rounds_without_gain = 0;
+  for (options.max_rounds = 1; options.max_rounds <= 14; ++options.max_rounds) {
+    SurfaceMesh mesh = before;
+    const RelaxationReport report = relax(mesh, options, silent);
+    ASSERT_EQ(report.remaining_faces, faces_that_meet(mesh)) << options.max_rounds << " rounds";
+    ASSERT_LE(report.faces_after, fewest) << options.max_rounds << " rounds";
+    const bool has_gained = report.faces_after < fewest;
+    if (has_gained) best = mesh;
+    expect_same_mesh(mesh, best);
+    fewest = report.faces_after;
+    ++(has_gained ? gains : rounds_without_gain);
+  }
+  EXPECT_GT(gains, 0);
+  EXPECT_GT(rounds_without_gain, 5);
+}
+
+TEST(IntersectionRelaxation, EndsEarlyWhereTooManyMoreFacesMeet) {
+  const SurfaceMesh before = crossing_rings(0.3, Vec3(0.71, 0.02, 0.1));
+  RelaxationOptions options;
+  options.repair.enabled = false;
+  Progress silent;
+  SurfaceMesh mesh = before;
+  const RelaxationReport parted = relax(mesh, options, silent);
+  EXPECT_EQ(parted.faces_after, 0);
+  EXPECT_GT(parted.rounds, 20);
+
+  options.most_growth = 1.2;
+  mesh = before;
+  const RelaxationReport report = relax(mesh, options, silent);
+  EXPECT_GT(report.rounds, 1);
+  EXPECT_LT(report.rounds, 10);
+  EXPECT_EQ(report.moved, 0);
+  EXPECT_EQ(report.faces_after, report.faces_before);
+  expect_same_mesh(mesh, before);
+}
+
 // Two small bodies through each other all over, beside a torus that can be mended: smoothed as a
 // whole they would shrink to points.
 TEST(IntersectionRelaxation, LeavesWholeBodiesAlone) {
@@ -138,6 +186,7 @@ TEST(IntersectionRelaxation, LeavesWholeBodiesAlone) {
   EXPECT_LT(report.faces_after, report.faces_before);
   EXPECT_EQ(report.remaining_faces, faces_that_meet(mesh));
   EXPECT_GT(report.faces_after, 0);
+  EXPECT_LT(report.rounds, options.max_rounds);  // once nothing is left that may move
   for (const Index f : report.remaining_faces)
     EXPECT_GT(mesh.position[mesh.triangle(f)[0]].x(), 4.0) << "face " << f;
   for (Index v = 0; v < mesh.vertex_slots(); ++v)

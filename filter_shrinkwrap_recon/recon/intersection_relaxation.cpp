@@ -94,10 +94,18 @@ class Relaxation {
     return faces_around(mesh_, region);
   }
 
-  Index moved() const { return static_cast<Index>(original_.size()); }
-  void put_back() {
-    for (const auto& [v, position] : original_) mesh_.position[v] = position;
+  void keep() {
+    kept_.clear();
+    for (const auto& entry : original_) kept_.push_back(mesh_.position[entry.first]);
   }
+  // All vertices to where they were when `keep` was called last, or at first.
+  void restore() {
+    for (std::size_t i = 0; i < original_.size(); ++i) {
+      const auto& [v, position] = original_[i];
+      mesh_.position[v] = i < kept_.size() ? kept_[i] : position;
+    }
+  }
+  Index moved() const { return static_cast<Index>(kept_.size()); }
 
  private:
   // Without a vertex that stays, a body would shrink to a point.
@@ -120,6 +128,7 @@ class Relaxation {
   std::vector<Index> size_;  // vertices of each component
   std::vector<char> has_moved_;
   std::vector<std::pair<Index, Vec3>> original_;  // of each vertex that moved
+  std::vector<Vec3> kept_;                        // of the first of these
   std::vector<Vec3> moved_;
 };
 
@@ -131,16 +140,20 @@ RelaxationReport relax_self_intersections(SurfaceMesh& mesh, const Frame& frame,
   const std::vector<Triangle> triangles = mesh.triangles();
   BoxTree tree(mesh.position, triangles, progress);
   const TrianglePairs test(mesh.position);
-  const std::vector<Index> at_first = self_intersecting_faces(tree, test, triangles, progress);
-  report.faces_before = static_cast<Index>(at_first.size());
+  std::vector<Index> fewest = self_intersecting_faces(tree, test, triangles, progress);
+  report.faces_before = static_cast<Index>(fewest.size());
 
-  std::vector<Index> meeting = at_first;
-  if (static_cast<double>(meeting.size()) <= options.most * mesh.face_count()) {
+  if (static_cast<double>(fewest.size()) <= options.most * mesh.face_count()) {
     Relaxation relaxation(mesh, frame, scalar, options, progress);
-    for (; report.rounds < options.max_rounds && !meeting.empty(); ++report.rounds) {
+    std::vector<Index> meeting = fewest;
+    const double most = options.most_growth * static_cast<double>(report.faces_before);
+    while (!fewest.empty() && report.rounds < options.max_rounds &&
+           static_cast<double>(meeting.size()) <= most) {
       progress.update(static_cast<double>(report.rounds) / options.max_rounds);
       const std::vector<Index> changed =
           relaxation.smooth_around(meeting, report.rounds / options.rounds_a_ring);
+      ++report.rounds;
+      if (changed.empty()) break;
       for (const Index f : changed) tree.set_box(f, tree.box_of(mesh.position, mesh.triangle(f)));
       std::vector<Index> now = faces_that_meet(mesh, tree, test, changed, progress);
       // Faces of bodies that are left alone have not changed, but may still meet others.
@@ -148,23 +161,22 @@ RelaxationReport relax_self_intersections(SurfaceMesh& mesh, const Frame& frame,
       meeting.clear();
       std::set_union(now.begin(), now.end(), before.begin(), before.end(),
                      std::back_inserter(meeting));
+      if (meeting.size() >= fewest.size()) continue;
+      fewest = meeting;
+      relaxation.keep();
     }
-    if (meeting.size() < at_first.size()) {
-      report.moved = relaxation.moved();
-    } else {
-      relaxation.put_back();
-      meeting = at_first;
-    }
-    if (!meeting.empty() && options.repair.enabled) {
+    relaxation.restore();
+    report.moved = relaxation.moved();
+    if (!fewest.empty() && options.repair.enabled) {
       RepairOptions only_intersections = options.repair;
       only_intersections.folds.most_folded = 0.0;  // membranes fold at their rims
       RepairReport repair = repair_self_intersections(mesh, only_intersections, progress);
       report.flips = repair.flips + repair.relocated;
-      meeting = std::move(repair.remaining_faces);
+      fewest = std::move(repair.remaining_faces);
     }
   }
-  report.faces_after = static_cast<Index>(meeting.size());
-  report.remaining_faces = std::move(meeting);
+  report.faces_after = static_cast<Index>(fewest.size());
+  report.remaining_faces = std::move(fewest);
   return report;
 }
 
