@@ -22,6 +22,22 @@ TEST(FilterLog, WhatSuitsAnOpenSheetIsTold) {
   EXPECT_FALSE(is_told(run(Filter::reconstruct, torus), told));
 }
 
+TEST(FilterLog, ASurfaceThatLosesManySamplesIsWarnedOf) {
+  // A hollow ball whose wall measures 1.2 spacings.
+  FilterInput shell, torus;
+  std::vector<Vec3> points = sample_shape(ShapeKind::sphere, 500, 3);
+  for (const Vec3& p : sample_shape(ShapeKind::sphere, 500, 4)) points.push_back(0.81 * p);
+  shell.points = in_single_precision(points);
+  torus.points = in_single_precision(sample_shape(ShapeKind::torus, 1000, 3));
+  const auto is_warned_of = [](const FilterInput& input, const ParameterValues& values) {
+    return is_in(run(Filter::reconstruct, input, values).warnings,
+                 "farther from the parametric surface than their spacing: parts are");
+  };
+  EXPECT_TRUE(is_warned_of(shell, {}));
+  EXPECT_TRUE(is_warned_of(shell, {{"StopAtParametricSurface", 1}}));
+  EXPECT_FALSE(is_warned_of(torus, {}));
+}
+
 TEST(FilterLog, NoiseAndWhatWasSmoothedAreTold) {
   SampleDefects defects;
   defects.noise = 0.6;
