@@ -230,14 +230,20 @@ TEST(NearCopies, LeaveTheOthersInOrder) {
 
 // They are where the surface is not, which the samples have moved onto.
 TEST(NearCopies, StayOutOfASurface) {
-  const std::vector<Vec3> points =
-      with_copies(sample_shape_blue_noise(ShapeKind::box, 600, 1), 1, 1e-5);
+  std::vector<Vec3> alone = sample_shape_blue_noise(ShapeKind::box, 600, 1);
   ReconstructionOptions options;
   options.stop_at_parametric_surface = true;
   Progress silent;
-  const Reconstruction result = reconstruct(points, options, silent);
-  ASSERT_TRUE(result.surface_detail.is_kept);
-  EXPECT_EQ(result.mesh.position.size(), 600u);
+  for (const std::size_t stray : {0, 1}) {
+    if (stray == 1) alone.emplace_back(2.5, 2.4, 2.3);
+    const std::vector<Vec3> points = with_copies(alone, 1, 1e-5);
+    const Reconstruction result = reconstruct(points, options, silent);
+    ASSERT_TRUE(result.surface_detail.is_kept);
+    EXPECT_EQ(result.mesh.position.size(), 600u);
+    EXPECT_EQ(result.outliers.input_index.size(), 2 * stray);
+    // The report is on all samples, whatever became of them.
+    EXPECT_EQ(result.report.samples, 1200);
+  }
 }
 
 TEST(NearCopies, ThatVanishInTheUnitFrameAreNotExact) {

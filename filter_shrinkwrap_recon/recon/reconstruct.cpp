@@ -395,7 +395,8 @@ bool match_on_surface(FittedSurface& fitted, PointCloud& cloud, const std::vecto
   detail.upper_twentieth = samples.upper_twentieth;
   undo_denoising(cloud, moved, options.samples.neighbours, options.orientation.plane_neighbours,
                  progress);
-  cloud.conditioning.near_copies.clear();  // which have not moved
+  std::vector<NearCopy> not_moved;
+  not_moved.swap(cloud.conditioning.near_copies);
   bool is_better = false;
   attempted([&] {  // there is the surface
     progress.set_part(0.3, 1.0);
@@ -411,6 +412,7 @@ bool match_on_surface(FittedSurface& fitted, PointCloud& cloud, const std::vecto
     fitted.openings = optimised.openings;
     mesh = std::move(optimised.mesh);
   });
+  not_moved.swap(cloud.conditioning.near_copies);
   if (!is_better) return false;
   fitted.detail = detail;
   fitted.detail.is_kept = true;
