@@ -140,6 +140,26 @@ TEST(ExactPredicates, OneUnitInTheLastPlaceDecides) {
   EXPECT_NE(orientation_sign(a, b, c, above), orientation_sign(a, b, c, below));
 }
 
+// Coordinates of which many are equal: all ways in which three or four points lie in a plane across
+// an axis, with a fourth by the last bit beside it, and collinear ones.
+TEST(ExactPredicates, SignsInDoubtAreTheExactOnes) {
+  const double step = 0.1, next = std::nextafter(step, 1.0);
+  const std::array<double, 4> coordinates = {0.0, step, next, 0.7};
+  Random random(8);
+  std::array<int, 3> count{};
+  for (int i = 0; i < 100000; ++i) {
+    std::array<Vec3, 4> p;
+    for (Vec3& point : p)
+      for (int axis = 0; axis < 3; ++axis)
+        point[axis] = coordinates[static_cast<std::size_t>(random.below(4))];
+    const int sign = exact::orientation_sign(p[0], p[1], p[2], p[3]);
+    ASSERT_EQ(orientation_sign_in_doubt(p[0], p[1], p[2], p[3]), sign);
+    ASSERT_EQ(orientation_sign(p[0], p[1], p[2], p[3]), sign);
+    ++count[static_cast<std::size_t>(sign + 1)];
+  }
+  for (const int signs : count) EXPECT_GT(signs, 10000);
+}
+
 TEST(ExactPredicates, FilteredSignsAreTheExactOnes) {
   for (unsigned seed = 0; seed < 4; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));

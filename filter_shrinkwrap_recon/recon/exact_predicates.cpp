@@ -27,6 +27,26 @@ int orientation_sign_2d(const Vec3& a, const Vec3& b, const Vec3& c, int dropped
 
 }  // namespace exact
 
+int orientation_sign_in_doubt(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  // Of three points in a plane across an axis: the side on which the fourth lies, x the sense in
+  // which they turn.
+  const auto sign_of = [](const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& fourth,
+                          int axis) {
+    const double plane = p[axis], height = fourth[axis];
+    if (height == plane) return 0;
+    const int turn = orientation_sign_2d(p, q, r, axis);
+    return height > plane ? turn : -turn;
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    const bool ab = a[axis] == b[axis], ac = a[axis] == c[axis], cd = c[axis] == d[axis];
+    if (ab && ac) return sign_of(a, b, c, d, axis);
+    if (ab && a[axis] == d[axis]) return -sign_of(a, b, d, c, axis);
+    if (ac && cd) return sign_of(a, c, d, b, axis);
+    if (cd && b[axis] == c[axis]) return -sign_of(b, c, d, a, axis);
+  }
+  return exact::orientation_sign(a, b, c, d);
+}
+
 int projection_axis(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 normal = (b - a).cross(c - a).cwiseAbs();
   int best = 0;

@@ -10,12 +10,16 @@
 
 namespace shrinkwrap {
 
-/// The tests of this header without their own filter (CGAL has one before exact arithmetic). Pre:
-/// finite coordinates.
+/// The tests of this header without what they do before (CGAL has a filter of its own). Pre: finite
+/// coordinates.
 namespace exact {
 int orientation_sign(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 int orientation_sign_2d(const Vec3& a, const Vec3& b, const Vec3& c, int dropped_axis);
 }  // namespace exact
+
+/// `orientation_sign` where the determinant is too close to 0 to tell, as it often is of points in
+/// a plane: if the plane is square to an axis, much faster than arithmetic that is exact.
+int orientation_sign_in_doubt(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
 /// Bound of the rounding error of ((b - a) x (c - a)) . (d - a) if all differences are within
 /// `extent`; infinite where something might under- or overflow.
@@ -35,8 +39,7 @@ inline int orientation_sign(const Vec3& a, const Vec3& b, const Vec3& c, const V
   const double bound = orientation_error_bound(extent);
   if (determinant > bound) return 1;
   if (determinant < -bound) return -1;
-  if (extent.x() == 0.0 || extent.y() == 0.0 || extent.z() == 0.0) return 0;
-  return exact::orientation_sign(a, b, c, d);
+  return orientation_sign_in_doubt(a, b, c, d);
 }
 
 /// +1 if a, b, c, projected along an axis (0 to 2) onto the other two (in cyclic order: yz, zx,
