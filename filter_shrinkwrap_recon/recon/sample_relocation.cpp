@@ -88,8 +88,7 @@ class Relocation {
     return {};
   }
 
-  // Appends the pairs of a tile of the ring, the vertex being out of it; false if they are too
-  // many.
+  // Appends the pairs of a tile of the ring, the vertex being out; false if they are too many.
   bool find(const Triangle& tile, Index slot, std::ptrdiff_t most, std::vector<Pair>& pairs) const {
     const auto has_vertex = [this](Index f) { return this->has_vertex(f); };
     return meetings_.find(tile, slot, static_cast<std::size_t>(most), has_vertex, pairs);
