@@ -226,15 +226,15 @@ void tell_of_attempts(const Reconstruction& result, FilterOutcome& outcome) {
 }
 
 void tell_of_detail(const Reconstruction& result, FilterOutcome& outcome) {
-  constexpr double kManyFar = 0.03;
   const DetailReport& detail = result.detail;
   const auto percent = [](double part) { return formatted("%.1f", 100.0 * part) + " %"; };
-  if (detail.far > kManyFar)
+  if (detail.far > ReconstructionOptions().most_samples_far)
     outcome.warnings.push_back(
         percent(detail.far) +
-        " of the samples are farther from the parametric surface than their spacing: parts are "
-        "thinner, or nearer to each other, than two or three spacings. The mesh there is a guess, "
-        "which more samples would settle.");
+        " of the samples are farther from the parametric surface than their spacing and noise: the "
+        "mesh there is a guess. Mostly parts are thinner, or nearer to each other, than two or "
+        "three spacings, and more samples would help; or small bodies or stray points have no "
+        "surface of their own.");
   if (detail.surfaces < 2) return;
   const std::string at_first = percent(detail.far_at_first) +
                                " of the samples were farther from the parametric surface than "

@@ -58,7 +58,7 @@ void tell_of_sheet(const OrientationReport& report, const ReconstructionOptions&
 /// What came of second attempts, if any were made.
 void tell_of_attempts(const Reconstruction& result, FilterOutcome& outcome);
 /// If the surface was made again because it had lost detail, with which control mesh; warns if the
-/// one that stays has lost it too.
+/// surface that stays has lost much.
 void tell_of_detail(const Reconstruction& result, FilterOutcome& outcome);
 /// If the vertices of a surface that missed detail are the samples, how far these have moved.
 void tell_of(const SurfaceDetail& detail, FilterOutcome& outcome);

@@ -31,11 +31,21 @@ TEST(FilterLog, ASurfaceThatLosesManySamplesIsWarnedOf) {
   torus.points = in_single_precision(sample_shape(ShapeKind::torus, 1000, 3));
   const auto is_warned_of = [](const FilterInput& input, const ParameterValues& values) {
     return is_in(run(Filter::reconstruct, input, values).warnings,
-                 "farther from the parametric surface than their spacing: parts are");
+                 "farther from the parametric surface than their spacing");
   };
   EXPECT_TRUE(is_warned_of(shell, {}));
   EXPECT_TRUE(is_warned_of(shell, {{"StopAtParametricSurface", 1}}));
   EXPECT_FALSE(is_warned_of(torus, {}));
+
+  Reconstruction result;
+  result.detail.surfaces = 1;
+  for (const double far : {0.029, 0.031}) {
+    result.detail.far = result.detail.far_at_first = far;
+    FilterOutcome outcome;
+    tell_of_detail(result, outcome);
+    EXPECT_EQ(outcome.warnings.size(), far > 0.03 ? 1u : 0u) << far;
+    EXPECT_TRUE(outcome.log.empty());
+  }
 }
 
 TEST(FilterLog, NoiseAndWhatWasSmoothedAreTold) {

@@ -132,6 +132,7 @@ TEST(IntersectionRelaxation, KeepsTheRoundInWhichTheFewestFacesMeet) {
   const SurfaceMesh before = crossing_rings(1.0, Vec3(0.31, 0.02, 0.01));
   RelaxationOptions options;
   options.repair.enabled = false;
+  options.most_growth = 100.0;
   Progress silent;
   Index fewest = static_cast<Index>(faces_that_meet(before).size());
   SurfaceMesh best = before;

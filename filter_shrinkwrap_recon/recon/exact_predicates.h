@@ -10,15 +10,16 @@
 
 namespace shrinkwrap {
 
-/// The tests of this header without what they do before (CGAL has a filter of its own). Pre: finite
-/// coordinates.
+/// The tests of this header without their filters and shortcuts (CGAL has a filter before exact
+/// arithmetic). Pre: finite coordinates.
 namespace exact {
 int orientation_sign(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 int orientation_sign_2d(const Vec3& a, const Vec3& b, const Vec3& c, int dropped_axis);
 }  // namespace exact
 
-/// `orientation_sign` where the determinant is too close to 0 to tell, as it often is of points in
-/// a plane: if the plane is square to an axis, much faster than arithmetic that is exact.
+/// `orientation_sign` for where the determinant is too close to 0 to tell, as it often is of points
+/// in a plane: if the plane is square to an axis, much faster than arithmetic that is exact. Right
+/// for any four points. Pre: finite coordinates.
 int orientation_sign_in_doubt(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
 /// Bound of the rounding error of ((b - a) x (c - a)) . (d - a) if all differences are within

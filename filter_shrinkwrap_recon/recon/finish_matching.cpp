@@ -34,12 +34,10 @@ class Finish {
   }
 
  private:
-  Index extra_vertices(const CompleteMatching& matching) const {
-    return matching.spanning_faces.empty()
-               ? 0
-               : extra_vertices_kept(matching.mesh, samples_, matching.opening_faces);
+  bool has_extra_vertices() const {
+    return !matching_.spanning_faces.empty() &&
+           extra_vertices_kept(matching_.mesh, samples_, matching_.opening_faces) > 0;
   }
-  bool has_extra_vertices() const { return extra_vertices(matching_) > 0; }
   RepairReport repair(CompleteMatching& matching, const RepairOptions& options) {
     return repair_self_intersections(matching.mesh, options, progress_, matching.opening_faces,
                                      &matching.spanning_faces, samples_);
@@ -100,11 +98,9 @@ void Finish::remove_with_cuts() {
     ClosingOptions options;
     options.most_cuts = most_cuts;
     const std::vector<Triangle> tried = tried_by_last_repair();
-    bool may_more_cuts_help = false;
     for (int trials = 0; trials < kMostTrials && tests_left > 0 && has_extra_vertices(); ++trials) {
       CompleteMatching trial = matching_;
       const std::vector<Index> removed = close_openings(trial, samples_, progress_, options);
-      may_more_cuts_help |= extra_vertices(trial) > static_cast<Index>(options.held.size());
       if (removed.empty()) break;
       near.tried = without_vertices(tried, removed);
       RepairReport further = repair(trial, near);
@@ -121,11 +117,8 @@ void Finish::remove_with_cuts() {
       tried_ = without_vertices(std::move(tried_), removed);
       matching_.report.cut_out += static_cast<Index>(removed.size());
       add_repair_of_cuts(std::move(further));
-      may_more_cuts_help = true;
       break;
     }
-    // All went but what was held: the same trials would fail again.
-    if (!may_more_cuts_help) return;
   }
 }
 
