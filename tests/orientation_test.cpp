@@ -51,6 +51,18 @@ std::vector<Vec3> sphere(Index count, double radius, const Vec3& centre, unsigne
   return points;
 }
 
+// Spread evenly along a spiral.
+std::vector<Vec3> spiral_sphere(double radius, double spacing) {
+  const int count = static_cast<int>(4.0 * kPi * radius * radius / (spacing * spacing));
+  std::vector<Vec3> points;
+  for (int i = 0; i < count; ++i) {
+    const double z = 1.0 - (2.0 * i + 1.0) / count, angle = i * (3.0 - std::sqrt(5.0)) * kPi;
+    const double ring = std::sqrt(1.0 - z * z);
+    points.emplace_back(radius * Vec3(ring * std::cos(angle), ring * std::sin(angle), z));
+  }
+  return points;
+}
+
 void append(std::vector<Vec3>& points, const std::vector<Vec3>& more) {
   points.insert(points.end(), more.begin(), more.end());
 }
@@ -306,6 +318,38 @@ TEST(Orientation, WallsOfCavitiesFaceTheCavity) {
     const double radius = cloud.frame.to_input(cloud.position[i]).norm();
     const bool is_wall = radius > 0.5 && radius < 0.9;
     ASSERT_GT(is_wall ? -outwardness(cloud, i) : outwardness(cloud, i), 0.9) << "radius " << radius;
+  }
+}
+
+// Hollow balls within each other, whose walls are as thin as a few spacings. Slanting views of
+// samples a few spacings apart see through such walls, and of few of the samples all views do.
+TEST(Orientation, NoWallIsSeenThroughAnother) {
+  struct Case {
+    double wall, gap;  // x spacing
+    Index drawn;
+  };
+  for (const auto& [wall, gap, drawn] : {Case{2.5, 3.25, 16000}, Case{4.0, 6.0, 1000}}) {
+    SCOPED_TRACE(wall);
+    const double spacing = 0.05;
+    const std::vector<double> radii = {1.0, 1.0 - wall * spacing, 1.0 - (wall + gap) * spacing,
+                                       1.0 - (2.0 * wall + gap) * spacing};
+    std::vector<Vec3> points;
+    for (const double radius : radii) append(points, spiral_sphere(radius, spacing));
+    PointCloud cloud = prepare(points);
+    OrientationOptions options;
+    options.drawn_samples = options.propagation_samples = drawn;
+    Progress silent;
+    const OrientationReport report = orient_normals(cloud, options, silent);
+    EXPECT_EQ(report.components, 4);
+    EXPECT_EQ(report.enclosed_components, 3);
+    Index wrong = 0;
+    for (Index i = 0; i < cloud.size(); ++i) {
+      const double radius = cloud.frame.to_input(cloud.position[i]).norm();
+      const bool is_inner =
+          std::abs(radius - radii[1]) < 1e-3 || std::abs(radius - radii[3]) < 1e-3;
+      wrong += (is_inner ? -outwardness(cloud, i) : outwardness(cloud, i)) < 0.9;
+    }
+    EXPECT_EQ(wrong, 0);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "shapes.h"
@@ -18,14 +19,15 @@ void add_square(PointCloud& cloud, double z, int width) {
     }
 }
 
-std::vector<VisibilityVote> votes_on_all(const PointCloud& cloud, double spacing) {
+std::vector<VisibilityVote> votes_on_all(const PointCloud& cloud, double spacing,
+                                         const std::vector<Index>* component = nullptr) {
   VisibilityOptions options;
   options.pixel = 1.5 * spacing;
   options.depth_tolerance = 0.7 * spacing;
   std::vector<Index> drawn;
   for (Index i = 0; i < cloud.size(); ++i) drawn.push_back(i);
   Progress silent;
-  return visibility_votes(cloud, drawn, options, silent);
+  return visibility_votes(cloud, drawn, options, silent, component);
 }
 
 constexpr int kWidth = 40;
@@ -56,6 +58,26 @@ TEST(Visibility, OneSideOfEachOfTwoSheetsIsSeen) {
     EXPECT_EQ(vote.turned().majority(), -vote.majority());
     EXPECT_EQ(vote.trust(), 1.0);
   }
+}
+
+// A spacing behind the foremost is near enough for a slanting view, unless that is of another
+// component.
+TEST(Visibility, TellsWhatIsSeenThroughAnotherComponent) {
+  PointCloud cloud;
+  add_square(cloud, 0.0, kWidth);
+  add_square(cloud, 1.0 / kWidth, kWidth);
+  std::vector<Index> component(cloud.position.size(), 7);
+  const auto below = [&](const std::vector<Index>* of_sample) {
+    return votes_on_all(cloud, 1.0 / kWidth, of_sample)[kMiddle];
+  };
+  const VisibilityVote without = below(nullptr), within = below(&component);
+  EXPECT_GT(without.seen, 0.55 * without.possible);
+  EXPECT_EQ(without.foremost, without.seen);
+  EXPECT_EQ(within.foremost, within.seen);
+  std::fill(component.begin(), component.begin() + kWidth * kWidth, 3);
+  const VisibilityVote behind = below(&component);
+  EXPECT_EQ(behind.seen, without.seen);
+  EXPECT_NEAR(behind.foremost, 0.5 * behind.possible, 0.02 * behind.possible) << "from below";
 }
 
 // A roof hides the front of the ground below it from many views, and nothing hides the back.

@@ -93,8 +93,7 @@ class ComponentSigns {
     std::vector<char> flip(components, 0);
     std::size_t left = components;
     for (int layer = 0; left > 0 && layer < kMostLayers; ++layer) {
-      const bool are_known = layer == 0 && votes_.drawn.size() == cloud_.position.size();
-      const std::vector<VisibilityVote> votes = are_known ? by_component(votes_) : clear_votes();
+      const std::vector<VisibilityVote> votes = layer == 0 ? first_votes() : clear_votes();
       const std::vector<char> enclosed = layer > 0 ? within_decided(flip) : std::vector<char>();
       std::vector<std::size_t> seen, undecided_sheets;
       for (std::size_t c = 0; c < components; ++c) {
@@ -128,8 +127,10 @@ class ComponentSigns {
   }
 
  private:
+  // What is seen only through other components waits for these to be decided: views of few samples
+  // see through walls.
   bool is_hidden(const VisibilityVote& vote) const {
-    return vote.seen <= options_.least_visible * vote.possible;
+    return vote.foremost <= options_.least_visible * vote.possible;
   }
   bool is_close(double majority) const { return std::abs(majority) < options_.least_vote; }
 
@@ -175,6 +176,14 @@ class ComponentSigns {
     std::vector<char> enclosed(size_.size(), 0);
     for (std::size_t c = 0; c < size_.size(); ++c) enclosed[c] = sum[c] > 0.5 * probed[c];
     return enclosed;
+  }
+
+  // Where all samples were drawn, so finely again: what they saw of each other's components was not
+  // known then.
+  std::vector<VisibilityVote> first_votes() const {
+    if (votes_.drawn.size() < cloud_.position.size()) return clear_votes();
+    if (forest_.components == 1) return by_component(votes_);
+    return by_component(votes_on(votes_.drawn, 1, options_.view_directions));
   }
 
   // Votes on the components that are waiting. Coarse drawings see through thin parts, so that votes
@@ -232,8 +241,9 @@ class ComponentSigns {
   // Of samples, each of which stands for `stride`.
   SampleVotes votes_on(std::vector<Index> drawn, Index stride, int directions) const {
     SampleVotes samples{std::move(drawn), {}};
-    samples.votes = visibility_votes(cloud_, samples.drawn,
-                                     views_of(cloud_, options_, stride, directions), progress_);
+    samples.votes =
+        visibility_votes(cloud_, samples.drawn, views_of(cloud_, options_, stride, directions),
+                         progress_, &forest_.component_of_sample);
     return samples;
   }
   std::vector<VisibilityVote> by_component(const SampleVotes& samples) const {

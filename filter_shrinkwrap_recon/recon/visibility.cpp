@@ -33,9 +33,10 @@ class DepthBuffer {
     float depth;
   };
 
-  // Projects and draws the points. `pixels` receives where each fell.
-  void draw(const std::vector<Vec3f>& points, const Vec3f& direction, float pixel,
-            std::vector<Pixel>& pixels) {
+  // Projects and draws the points. `pixels` receives where each fell. With a component for each
+  // point, that of the foremost is kept too.
+  void draw(const std::vector<Vec3f>& points, const std::vector<Index>& component,
+            const Vec3f& direction, float pixel, std::vector<Pixel>& pixels) {
     const Vec3f helper = std::abs(direction.x()) < 0.9f ? Vec3f::UnitX() : Vec3f::UnitY();
     const Vec3f right = helper.cross(direction).normalized();
     const Vec3f up = direction.cross(right);
@@ -52,6 +53,7 @@ class DepthBuffer {
     width_ = static_cast<std::int32_t>((high_x - low_x) * per_length) + 3;
     const std::int32_t height = static_cast<std::int32_t>((high_y - low_y) * per_length) + 3;
     depth_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height), kNothing);
+    if (!component.empty()) component_.resize(depth_.size());
     pixels.resize(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vec3f& p = points[i];
@@ -60,19 +62,24 @@ class DepthBuffer {
                      p.dot(direction)};
       pixels[i] = at;
       for (std::int32_t y = at.y - 1; y <= at.y + 1; ++y) {
-        float* row = depth_.data() + static_cast<std::size_t>(y) * width_ + at.x;
-        for (int x = -1; x <= 1; ++x) row[x] = std::max(row[x], at.depth);
+        const std::size_t first = static_cast<std::size_t>(y) * width_ + at.x - 1;
+        for (std::size_t k = first; k < first + 3; ++k) {
+          if (!component.empty() && at.depth > depth_[k]) component_[k] = component[i];
+          depth_[k] = std::max(depth_[k], at.depth);
+        }
       }
     }
   }
 
-  float foremost(const Pixel& at) const {
-    return depth_[static_cast<std::size_t>(at.y) * width_ + at.x];
-  }
+  float foremost(const Pixel& at) const { return depth_[slot(at)]; }
+  Index foremost_component(const Pixel& at) const { return component_[slot(at)]; }
 
  private:
+  std::size_t slot(const Pixel& at) const { return static_cast<std::size_t>(at.y) * width_ + at.x; }
+
   std::int32_t width_ = 0;
   std::vector<float> depth_;
+  std::vector<Index> component_;
 };
 
 // The smallest pixel for which no buffer has more than a fixed number of pixels per sample.
@@ -88,11 +95,11 @@ double affordable_pixel(const std::vector<Vec3f>& points, double pixel) {
 }
 
 // The views in front of a sample and behind it, half of those possible each.
-VisibilityVote vote_of(double possible, double in_front, double behind) {
+VisibilityVote vote_of(double possible, double in_front, double behind, double foremost) {
   const double more = std::max(in_front, behind), less = std::min(in_front, behind);
-  if (more <= 0.0) return {possible, 0.0, 0.0, possible};
+  if (more <= 0.0) return {possible, 0.0, 0.0, 0.0, possible};
   const double unlike = 1.0 - less / more;
-  return {possible, more + less, (in_front - behind) * unlike * unlike,
+  return {possible, more + less, foremost, (in_front - behind) * unlike * unlike,
           possible * std::max(0.0, 1.0 - 2.0 * less / (kSeenOpenly * possible))};
 }
 
@@ -105,11 +112,16 @@ double VisibilityVote::trust() const {
 
 std::vector<VisibilityVote> visibility_votes(const PointCloud& cloud,
                                              const std::vector<Index>& drawn,
-                                             const VisibilityOptions& options, Progress& progress) {
+                                             const VisibilityOptions& options, Progress& progress,
+                                             const std::vector<Index>* component_of_sample) {
   if (drawn.empty()) return {};
   std::vector<Vec3f> points;
+  std::vector<Index> component;  // of each point, if they count
   points.reserve(drawn.size());
-  for (Index sample : drawn) points.push_back(cloud.position[sample].cast<float>());
+  for (Index sample : drawn) {
+    points.push_back(cloud.position[sample].cast<float>());
+    if (component_of_sample) component.push_back((*component_of_sample)[sample]);
+  }
   const float pixel = static_cast<float>(affordable_pixel(points, options.pixel));
   const float tolerance = static_cast<float>(options.depth_tolerance);
   const float min_cosine = static_cast<float>(options.min_cosine);
@@ -119,11 +131,11 @@ std::vector<VisibilityVote> visibility_votes(const PointCloud& cloud,
     DepthBuffer buffer;
     std::vector<DepthBuffer::Pixel> pixels;
     std::vector<float> cosine;  // of each sample drawn: 0 no vote
-    std::vector<char> seen;
+    std::vector<char> seen, foremost;
   };
   std::vector<View> views(kDirectionsAtOnce);
   struct Sums {
-    double possible = 0.0, in_front = 0.0, behind = 0.0;
+    double possible = 0.0, in_front = 0.0, behind = 0.0, foremost = 0.0;
   };
   std::vector<Sums> sums(drawn.size());
   Progress silent;
@@ -132,18 +144,22 @@ std::vector<VisibilityVote> visibility_votes(const PointCloud& cloud,
     parallel_for_each(count, 1, silent, [&](Index v) {
       View& view = views[v];
       const Vec3f direction = view_direction(first + v, options.directions).cast<float>();
-      view.buffer.draw(points, direction, pixel, view.pixels);
+      view.buffer.draw(points, component, direction, pixel, view.pixels);
       view.cosine.assign(points.size(), 0.0f);
       view.seen.assign(points.size(), 0);
+      view.foremost.assign(points.size(), 0);
       for (std::size_t i = 0; i < points.size(); ++i) {
         const float cosine = cloud.normal[drawn[i]].dot(direction);
         const float steepness = std::abs(cosine);
         if (steepness < min_cosine) continue;
         // Across the splat, 1.5 pixels to the middle of its diagonal, the surface itself rises.
         const float slope = std::sqrt(std::max(0.0f, 1.0f - cosine * cosine)) / steepness;
-        const float behind = view.buffer.foremost(view.pixels[i]) - view.pixels[i].depth;
+        const DepthBuffer::Pixel& at = view.pixels[i];
+        const float behind = view.buffer.foremost(at) - at.depth;
         view.cosine[i] = cosine;
         view.seen[i] = behind < 2.1f * slope * pixel + tolerance;
+        view.foremost[i] = view.seen[i] && (component.empty() ||
+                                            view.buffer.foremost_component(at) == component[i]);
       }
     });
     for (int v = 0; v < count; ++v)
@@ -152,12 +168,14 @@ std::vector<VisibilityVote> visibility_votes(const PointCloud& cloud,
         sums[i].possible += std::abs(cosine);
         if (views[v].seen[i])
           (cosine > 0.0 ? sums[i].in_front : sums[i].behind) += std::abs(cosine);
+        if (views[v].foremost[i]) sums[i].foremost += std::abs(cosine);
       }
     progress.update(static_cast<double>(first + count) / options.directions);
   }
   std::vector<VisibilityVote> votes;
   votes.reserve(sums.size());
-  for (const Sums& of : sums) votes.push_back(vote_of(of.possible, of.in_front, of.behind));
+  for (const Sums& of : sums)
+    votes.push_back(vote_of(of.possible, of.in_front, of.behind, of.foremost));
   return votes;
 }
 

@@ -10,6 +10,7 @@ namespace shrinkwrap {
 struct VisibilityVote {
   double possible = 0.0;  ///< of all such views
   double seen = 0.0;      ///< of those that see the sample
+  double foremost = 0.0;  ///< of those in which nothing of another component is before it
   double outward = 0.0;   ///< how much more those on the side that the normal points to see it than
                           ///< the others; the less, the more alike both sides are seen
   double closed = 0.0;    ///< x possible: 1 where nobody sees the other side, as within a body, 0
@@ -23,10 +24,11 @@ struct VisibilityVote {
   double trust() const;
 
   /// On the opposite normal.
-  VisibilityVote turned() const { return {possible, seen, -outward, closed}; }
+  VisibilityVote turned() const { return {possible, seen, foremost, -outward, closed}; }
   void add(const VisibilityVote& other) {
     possible += other.possible;
     seen += other.seen;
+    foremost += other.foremost;
     outward += other.outward;
     closed += other.closed;
   }
@@ -42,9 +44,13 @@ struct VisibilityOptions {
 /// Draws the samples `drawn` from all directions; returns the vote on each of them. Splats are 3 x
 /// 3 pixels, so that a surface hides what is behind it; the tolerance grows with the slope. Buffers
 /// hold at most a fixed multiple of the samples drawn (then the pixel is enlarged).
+///
+/// Where the view is slanting that is several pixels, more than many a wall is thick. With a
+/// component for each sample of the cloud, `foremost` tells of what is seen only through others;
+/// without, it is what is seen.
 /// O(directions x drawn); the same for any number of threads.
-std::vector<VisibilityVote> visibility_votes(const PointCloud& cloud,
-                                             const std::vector<Index>& drawn,
-                                             const VisibilityOptions& options, Progress& progress);
+std::vector<VisibilityVote> visibility_votes(
+    const PointCloud& cloud, const std::vector<Index>& drawn, const VisibilityOptions& options,
+    Progress& progress, const std::vector<Index>* component_of_sample = nullptr);
 
 }  // namespace shrinkwrap
