@@ -181,6 +181,10 @@ void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings
     warnings.push_back(count_of(report.false_handles, "handle") +
                        " cut that no samples bear out (bridges between close parts, or tunnels "
                        "through thin walls): see Cut false handles (CutFalseHandles).");
+  if (report.false_mouths > 0)
+    warnings.push_back(count_of(report.false_mouths, "hole") +
+                       " closed that no samples bear out, in walls of cavities: see Cut false "
+                       "handles (CutFalseHandles).");
   if (report.handles_refuted > 0)
     warnings.push_back(count_of(report.handles_refuted, "handle") +
                        " of the first solid left out: one of voxels of " +

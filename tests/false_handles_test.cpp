@@ -83,22 +83,76 @@ TEST(FalseHandles, AreNoneOfTheObject) {
     }
 }
 
-// Two balls so close that voxels join them: to cut there would part the surface.
-TEST(FalseHandles, CutsPartNothing) {
-  const auto balls = [](const Vec3& p) {
-    const Vec3 centre(0.452, 0.0, 0.0);
-    return std::min((p - centre).norm(), (p + centre).norm()) - 0.45;
-  };
+// Two balls so close that voxels join them.
+double balls(const Vec3& p) {
+  const Vec3 centre(0.452, 0.0, 0.0);
+  return std::min((p - centre).norm(), (p + centre).norm()) - 0.45;
+}
+
+TEST(FalseHandles, CutsOfHandlesPartNothing) {
   Random random(1);
   const auto samples = sample_implicit(balls, {}, 1000, random);
-  InitialMesh result = initial_mesh_of(samples.points);
+  InitialMeshOptions joined;
+  joined.voxel_ratio_for_detail = 0.0;
+  joined.false_handles.least_of_cavity = 1000;
+  Progress silent;
+  InitialMesh result = make_initial_mesh(oriented_cloud(samples.points), joined, silent);
   ASSERT_EQ(result.report.components, 1) << "nothing is joined: this test tests nothing";
   FalseHandleOptions options;
   options.least_cosine = 1.0;
-  Progress silent;
   const std::vector<Triangle> before = result.mesh.triangles();
   EXPECT_EQ(cut_false_handles(result.mesh, oriented_cloud(samples.points), options, silent), 0);
   EXPECT_EQ(result.mesh.triangles(), before);
+}
+
+// A ball with a hollow so near to its outside that there is a hole in the wall of the solid.
+TEST(FalseHandles, MouthsOfCavitiesAreClosed) {
+  const auto hollow = [](const Vec3& p) {
+    return std::max(p.norm() - 0.9, 0.45 - (p - Vec3(0.37, 0.0, 0.0)).norm());
+  };
+  Index joined = 0, parted = 0;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    Random random(seed);
+    const auto points = sample_implicit(hollow, {}, 1000, random).points;
+    const InitialMeshReport without = initial_mesh_of(points, false).report;
+    if (without.genus > 0 || without.cavities > 0) continue;
+    ++joined;
+    const InitialMesh with = initial_mesh_of(points);
+    EXPECT_TRUE(with.mesh.is_consistent());
+    expect_closed_manifold(with.mesh, 1 + with.report.false_mouths, 0);
+    EXPECT_EQ(with.report.components, 1);
+    EXPECT_EQ(with.report.cavities, with.report.false_mouths);
+    parted += with.report.false_mouths;
+  }
+  EXPECT_GE(joined, 5) << "there is little to cut: this test tests little";
+  EXPECT_GE(4 * parted, 3 * joined);
+}
+
+// Two balls with a rod of two spacings between them, and a hollow ball with a channel of three.
+TEST(FalseHandles, NecksAndTrueMouthsStay) {
+  const auto dumbbell = [](const Vec3& p) {
+    const Vec3 centre(0.55, 0.0, 0.0);
+    const double rod = std::max(std::hypot(p.y(), p.z()) - 0.07, std::abs(p.x()) - 0.55);
+    return std::min({(p - centre).norm() - 0.4, (p + centre).norm() - 0.4, rod});
+  };
+  const auto bottle = [](const Vec3& p) {
+    const double channel = std::max(std::hypot(p.y(), p.z()) - 0.13, -p.x());
+    return std::max(p.norm() - 0.9, -std::min(p.norm() - 0.6, channel));
+  };
+  Index whole = 0;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    Random random(seed);
+    for (const auto& points : {sample_implicit(dumbbell, {}, 1000, random).points,
+                               sample_implicit(bottle, {}, 2000, random).points}) {
+      const InitialMeshReport report = initial_mesh_of(points).report;
+      const InitialMeshReport without = initial_mesh_of(points, false).report;
+      EXPECT_EQ(report.false_mouths, 0) << seed;
+      EXPECT_EQ(report.components, without.components) << seed;
+      EXPECT_EQ(report.cavities, without.cavities) << seed;
+      whole += report.components == 1 && report.cavities == 0;
+    }
+  }
+  EXPECT_GE(whole, 30);
 }
 
 }  // namespace

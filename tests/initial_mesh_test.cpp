@@ -293,5 +293,24 @@ TEST(InitialMesh, LargerVoxelsRefuteHandlesOfSmaller) {
   EXPECT_GT(refuted, 0) << "this test tests nothing";
 }
 
+// Two hollow balls, one in the other: large voxels join their walls all over, and where the walls
+// are joined there are pockets, more cavities than the two that smaller voxels show.
+TEST(InitialMesh, PocketsBetweenWallsAreNoReasonToKeepHandles) {
+  const double spacing = 0.044;
+  std::vector<Vec3> points;
+  for (const double radius : {1.0, 1.0 - 2.5 * spacing, 1.0 - 5.75 * spacing, 1.0 - 8.25 * spacing})
+    for (const Vec3& p : spiral_sphere(radius, spacing)) points.push_back(p);
+  const PointCloud cloud = oriented_cloud(points);
+  InitialMeshOptions options;
+  options.second_voxel_ratio = 0.0;
+  const InitialMeshReport first = initial_mesh_of(cloud, options).report;
+  const InitialMeshReport report = initial_mesh_of(cloud).report;
+  EXPECT_GT(first.genus, 0) << "there is nothing to refute: this test tests nothing";
+  EXPECT_GT(first.cavities, 2);
+  EXPECT_EQ(report.genus, 0);
+  EXPECT_EQ(report.components, 2);
+  EXPECT_EQ(report.cavities, 2);
+}
+
 }  // namespace
 }  // namespace shrinkwrap::testing

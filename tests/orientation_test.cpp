@@ -21,6 +21,7 @@ using testing::sample_shape;
 using testing::Shape;
 using testing::shape_of;
 using testing::ShapeKind;
+using testing::spiral_sphere;
 using testing::Town;
 using testing::TownOptions;
 
@@ -48,18 +49,6 @@ std::vector<Vec3> sphere(Index count, double radius, const Vec3& centre, unsigne
   Random random(seed);
   std::vector<Vec3> points;
   for (Index i = 0; i < count; ++i) points.push_back(centre + radius * random.direction());
-  return points;
-}
-
-// Spread evenly along a spiral.
-std::vector<Vec3> spiral_sphere(double radius, double spacing) {
-  const int count = static_cast<int>(4.0 * kPi * radius * radius / (spacing * spacing));
-  std::vector<Vec3> points;
-  for (int i = 0; i < count; ++i) {
-    const double z = 1.0 - (2.0 * i + 1.0) / count, angle = i * (3.0 - std::sqrt(5.0)) * kPi;
-    const double ring = std::sqrt(1.0 - z * z);
-    points.emplace_back(radius * Vec3(ring * std::cos(angle), ring * std::sin(angle), z));
-  }
   return points;
 }
 

@@ -423,6 +423,17 @@ std::vector<Vec3> sample_spiked_ball(Index count, double finer) {
   return points;
 }
 
+std::vector<Vec3> spiral_sphere(double radius, double spacing) {
+  const int count = static_cast<int>(4.0 * kPi * radius * radius / (spacing * spacing));
+  std::vector<Vec3> points;
+  for (int i = 0; i < count; ++i) {
+    const double z = 1.0 - (2.0 * i + 1.0) / count, angle = i * (3.0 - std::sqrt(5.0)) * kPi;
+    const double ring = std::sqrt(1.0 - z * z);
+    points.emplace_back(radius * Vec3(ring * std::cos(angle), ring * std::sin(angle), z));
+  }
+  return points;
+}
+
 SurfaceMesh icosphere(int subdivisions) {
   const double golden = 0.5 * (1.0 + std::sqrt(5.0));
   std::vector<Vec3> position;

@@ -134,6 +134,9 @@ std::vector<Vec3> sample_spiked_ball(Index count, double finer = 10.0);
 /// The unit sphere as an icosahedron whose faces were split into four `subdivisions` times:
 /// 10 * 4^subdivisions + 2 vertices.
 SurfaceMesh icosphere(int subdivisions);
+
+/// Samples of a sphere about the origin, spread evenly along a spiral.
+std::vector<Vec3> spiral_sphere(double radius, double spacing);
 /// `scale` times as large, then moved.
 SurfaceMesh placed(SurfaceMesh mesh, double scale, const Vec3& shift);
 /// Meshes as one: its vertices and faces are theirs in turn.

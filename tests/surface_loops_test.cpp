@@ -74,6 +74,41 @@ TEST_F(SurfaceLoops, OfThoseThatSeparateOneIsLeftOut) {
   EXPECT_EQ(loops, (std::vector<Loop>{around(3)}));
 }
 
+TEST_F(SurfaceLoops, MouthsPartCavitiesNotBodies) {
+  const std::vector<Loop> both = {around(3), around(20)};
+  const auto mouths = [&](const SurfaceMesh& mesh, std::vector<Loop> loops, Index least) {
+    keep_mouths_of_cavities(mesh, loops, std::vector<Index>(mesh.position.size(), 1), least,
+                            silent);
+    return loops.size();
+  };
+  EXPECT_EQ(mouths(torus, both, 1), 0u) << "two bodies";
+  // The wall of a hollow ball, and a hole through it.
+  const SurfaceMesh outside = icosphere(3), inside = icosphere(2);
+  std::vector<Vec3> position = outside.position;
+  std::vector<Triangle> triangles = outside.triangles();
+  const auto count = static_cast<Index>(position.size());
+  for (const Vec3& p : inside.position) position.emplace_back(0.8 * p);
+  for (const Triangle& t : inside.triangles())
+    triangles.push_back({t[0] + count, t[2] + count, t[1] + count});
+  const Triangle outer = triangles[0], inner = triangles[outside.triangles().size()];
+  triangles.erase(triangles.begin() + static_cast<std::ptrdiff_t>(outside.triangles().size()));
+  triangles.erase(triangles.begin());
+  for (int k = 0; k < 3; ++k) {
+    // The inner one runs the other way.
+    const Index a = outer[k], b = outer[(k + 1) % 3];
+    const Index c = inner[(3 - k) % 3], d = inner[2 - k];
+    triangles.push_back({a, b, d});
+    triangles.push_back({a, d, c});
+  }
+  const SurfaceMesh hollow = SurfaceMesh::from_triangles(position, triangles, silent);
+  expect_closed_manifold(hollow, 1, 0);
+  const Loop rim(outer.begin(), outer.end());
+  const Index of_inside = static_cast<Index>(inside.position.size());
+  EXPECT_EQ(mouths(hollow, {rim}, 1), 1u);
+  EXPECT_EQ(mouths(hollow, {rim}, of_inside - 3), 1u);
+  EXPECT_EQ(mouths(hollow, {rim}, of_inside + 4), 0u) << "too few samples";
+}
+
 TEST_F(SurfaceLoops, CutsCloseBothSides) {
   const Index vertices = torus.vertex_count();
   cut_along(torus, {around(3)}, silent);

@@ -27,20 +27,46 @@ class FalseHandles {
                       [&](Index v) { cosine_[v] = cosine_at(v); });
   }
 
-  // Cuts what can be cut at once. Returns how many handles.
-  Index cut(Progress& progress) {
-    const std::vector<Loop> loops = find_loops(progress);
-    if (loops.empty()) return 0;
+  // Cuts what can be cut at once and parts nothing. Returns how many handles.
+  Index cut_handles(Progress& progress) {
+    std::vector<Loop> loops = find_loops(progress);
+    keep_inseparable(mesh_, loops, progress);
+    cut(loops, progress);
+    return static_cast<Index>(loops.size());
+  }
+
+  // Returns how many mouths of cavities.
+  Index close_mouths(Progress& progress) {
+    std::vector<Loop> loops = find_loops(progress);
+    if (!loops.empty())
+      keep_mouths_of_cavities(mesh_, loops, samples_by_vertex(progress), options_.least_of_cavity,
+                              progress);
+    cut(loops, progress);
+    return static_cast<Index>(loops.size());
+  }
+
+ private:
+  void cut(const std::vector<Loop>& loops, Progress& progress) {
+    if (loops.empty()) return;
     const Index first_new = mesh_.vertex_slots();
     cut_along(mesh_, loops, progress);
     cosine_.resize(mesh_.position.size());
     for (const Loop& loop : loops)
       for (const Index v : loop) cosine_[v] = cosine_at(v);
     for (Index v = first_new; v < mesh_.vertex_slots(); ++v) cosine_[v] = cosine_at(v);
-    return static_cast<Index>(loops.size());
   }
 
- private:
+  // To how many samples each vertex is the nearest.
+  std::vector<Index> samples_by_vertex(Progress& progress) const {
+    const VoxelSearch vertices(mesh_.position, progress);
+    std::vector<Index> nearest(cloud_.position.size());
+    parallel_for_each(cloud_.size(), kGrain, progress,
+                      [&](Index i) { nearest[i] = vertices.nearest(cloud_.position[i]).index; });
+    std::vector<Index> samples(mesh_.position.size(), 0);
+    for (const Index v : nearest) ++samples[v];
+    return samples;
+  }
+
   float cosine_at(Index v) const {
     const Index nearest = cloud_.search.nearest(mesh_.position[v]).index;
     return cloud_.normal[nearest].dot(gather_one_ring(mesh_, v).normal.cast<float>());
@@ -63,7 +89,6 @@ class FalseHandles {
                      [](const Loop& a, const Loop& b) { return a.size() < b.size(); });
     DisjointLoops disjoint(mesh_, std::numeric_limits<Index>::max());
     for (const Loop& loop : found) disjoint.add(loop);
-    keep_inseparable(mesh_, disjoint.loops, progress);
     return std::move(disjoint.loops);
   }
 
@@ -98,12 +123,19 @@ Index cut_false_handles(SurfaceMesh& mesh, const PointCloud& cloud,
   FalseHandles handles(mesh, cloud, options, progress);
   Index all = 0;
   for (int round = 0; round < kMostRounds; ++round) {
-    const Index cut = handles.cut(progress);
+    const Index cut = handles.cut_handles(progress);
     if (cut == 0) break;
     all += cut;
   }
   if (all > 0) mesh.compact(progress);
   return all;
+}
+
+Index close_false_mouths(SurfaceMesh& mesh, const PointCloud& cloud,
+                         const FalseHandleOptions& options, Progress& progress) {
+  const Index closed = FalseHandles(mesh, cloud, options, progress).close_mouths(progress);
+  if (closed > 0) mesh.compact(progress);
+  return closed;
 }
 
 }  // namespace shrinkwrap

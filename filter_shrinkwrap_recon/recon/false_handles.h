@@ -14,6 +14,7 @@ struct FalseHandleOptions {
   double least_cosine = 0.45;
   /// Loops of at most twice as many edges and one are looked at.
   Index radius = 3;
+  Index least_of_cavity = 100;  ///< samples nearest to its wall, for its false mouth to be closed
 };
 
 /// Cuts false handles along such loops, and closes both sides of each with a fan: a bridge is
@@ -23,5 +24,12 @@ struct FalseHandleOptions {
 /// O(V).
 Index cut_false_handles(SurfaceMesh& mesh, const PointCloud& cloud,
                         const FalseHandleOptions& options, Progress& progress);
+
+/// The same for tunnels that lead into a cavity, and so are no handles: closes them, which parts
+/// the wall of the cavity from the surface outside. Necks between bodies stay, as thin rods of few
+/// samples look like false ones. `cut_false_handles` comes first. Returns how many were closed.
+/// O(V + N).
+Index close_false_mouths(SurfaceMesh& mesh, const PointCloud& cloud,
+                         const FalseHandleOptions& options, Progress& progress);
 
 }  // namespace shrinkwrap

@@ -160,10 +160,16 @@ InitialMesh solid_boundary(const PointCloud& cloud, const WindingNumber& winding
     make_well_composed(solid.image, progress);
     result.mesh = boundary_of(solid.image, solid.lattice, progress);
     keep_supported(result, cloud, kSupportReach * voxel_size, min_samples, progress);
-    if (result.report.genus == 0 || !options.false_handles.enabled) return;
-    result.report.false_handles =
-        cut_false_handles(result.mesh, cloud, options.false_handles, progress);
-    result.report.genus -= result.report.false_handles;
+    InitialMeshReport& report = result.report;
+    if (!options.false_handles.enabled) return;
+    if (report.genus > 0)
+      report.false_handles = cut_false_handles(result.mesh, cloud, options.false_handles, progress);
+    report.genus -= report.false_handles;
+    report.false_mouths = close_false_mouths(result.mesh, cloud, options.false_handles, progress);
+    if (report.false_mouths == 0) return;
+    const Index dropped = report.dropped;
+    keep_supported(result, cloud, kSupportReach * voxel_size, min_samples, progress);
+    report.dropped += dropped;
   };
   progress.set_range(0.6, 0.7);
   take_boundary(least_support(cloud.size(), options.min_component_samples));
@@ -205,7 +211,7 @@ InitialMesh boundary_with_fewer_handles(InitialMesh first, const PointCloud& clo
   const InitialMeshReport &a = first.report, &b = second->report;
   if (!has_fewer_handles(b, a) || b.components < a.components ||
       (b.voxels_are_larger && !a.voxels_are_larger) ||
-      (options.second_voxel_ratio < 1.0 && b.cavities < a.cavities))
+      (options.second_voxel_ratio < 1.0 && b.components + b.cavities < a.components + a.cavities))
     return first;
   second->report.handles_refuted = a.genus - b.genus;
   return std::move(*second);

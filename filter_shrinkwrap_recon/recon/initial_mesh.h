@@ -78,6 +78,7 @@ struct InitialMeshReport {
   bool voxels_are_larger = false;  ///< than asked for: see make_voxel_solid
   Index genus = 0;                 ///< of the mesh, summed over the components
   Index false_handles = 0;         ///< cut, as no samples bear them out
+  Index false_mouths = 0;          ///< closed: the same, of tunnels into cavities
   Index bodies_parted = 0;         ///< by smaller voxels, that had grown together
   Index handles_refuted = 0;       ///< left of the first solid, and not of that taken
   Index handles_cut = 0;           ///< to keep to `maximum_genus`

@@ -34,6 +34,58 @@ std::vector<Index> closing_edges(const SurfaceMesh& mesh, const PathTree& tree, 
   return closing;
 }
 
+// Sets of faces that hang together but for the edges of loops, which are put in order, the shortest
+// first.
+class Pieces {
+ public:
+  Pieces(const SurfaceMesh& mesh, std::vector<Loop>& loops, Progress& progress)
+      : mesh_(mesh), joined_(mesh.face_slots()) {
+    std::vector<char> is_wall(3 * static_cast<std::size_t>(mesh.face_slots()), 0);
+    for (const Loop& loop : loops)
+      for_each_edge(loop, [&](Index h) { is_wall[h] = is_wall[mesh.twin(h)] = 1; });
+    for (Index h = 0; h < 3 * mesh.face_slots(); ++h)
+      if (!is_wall[h]) join(h);
+    progress.update(0.0);
+    std::stable_sort(loops.begin(), loops.end(),
+                     [](const Loop& a, const Loop& b) { return a.size() < b.size(); });
+  }
+
+  Index of(Index h) { return joined_.find(SurfaceMesh::face(h)); }
+  /// Whether what is on its two sides was apart.
+  bool join_across(const Loop& loop) {
+    bool were_apart = false;
+    for_each_edge(loop, [&](Index h) { were_apart = join(h) || were_apart; });
+    return were_apart;
+  }
+
+ private:
+  template <class Fn>
+  void for_each_edge(const Loop& loop, const Fn& fn) const {
+    for (std::size_t i = 0; i < loop.size(); ++i)
+      fn(mesh_.find_halfedge(loop[i], loop[(i + 1) % loop.size()]));
+  }
+  bool join(Index h) {
+    return joined_.unite(SurfaceMesh::face(h), SurfaceMesh::face(mesh_.twin(h)));
+  }
+
+  const SurfaceMesh& mesh_;
+  DisjointSets joined_;
+};
+
+struct PieceFigures {
+  Index samples = 0;
+  double volume = 0.0;       // between its faces and the origin
+  Vec3 area = Vec3::Zero();  // sum of the area vectors
+
+  void add(const PieceFigures& other) {
+    samples += other.samples;
+    volume += other.volume;
+    area += other.area;
+  }
+  // What it encloses with a fan over its rim; other rims count little, as they are short.
+  double volume_closed_at(const Vec3& centre) const { return volume - centre.dot(area) / 3.0; }
+};
+
 }  // namespace
 
 bool PathTree::grow(const SurfaceMesh& mesh, const std::vector<Index>& roots, Index radius,
@@ -134,27 +186,45 @@ void DisjointLoops::add(const Loop& loop) {
 }
 
 void keep_inseparable(const SurfaceMesh& mesh, std::vector<Loop>& loops, Progress& progress) {
-  std::vector<char> is_wall(3 * static_cast<std::size_t>(mesh.face_slots()), 0);
-  const auto for_each_edge = [&](const Loop& loop, const auto& fn) {
-    for (std::size_t i = 0; i < loop.size(); ++i)
-      fn(mesh.find_halfedge(loop[i], loop[(i + 1) % loop.size()]));
+  Pieces pieces(mesh, loops, progress);
+  std::vector<Loop> kept;
+  for (auto loop = loops.rbegin(); loop != loops.rend(); ++loop)
+    if (!pieces.join_across(*loop)) kept.push_back(std::move(*loop));
+  loops = std::move(kept);
+}
+
+void keep_mouths_of_cavities(const SurfaceMesh& mesh, std::vector<Loop>& loops,
+                             const std::vector<Index>& samples_of, Index least,
+                             Progress& progress) {
+  Pieces pieces(mesh, loops, progress);
+  std::vector<PieceFigures> figures(static_cast<std::size_t>(mesh.face_slots()));
+  for (Index v = 0; v < mesh.vertex_slots(); ++v)
+    figures[pieces.of(mesh.outgoing(v))].samples += samples_of[v];
+  const auto& p = mesh.position;
+  for (Index f = 0; f < mesh.face_slots(); ++f) {
+    const Triangle t = mesh.triangle(f);
+    PieceFigures& piece = figures[pieces.of(3 * f)];
+    piece.volume += p[t[0]].dot(p[t[1]].cross(p[t[2]])) / 6.0;
+    piece.area += 0.5 * mesh.area_vector(f);
+  }
+  const auto is_mouth = [&](const Loop& loop, const PieceFigures& left, const PieceFigures& right) {
+    Vec3 centre = Vec3::Zero();
+    for (const Index v : loop) centre += p[v] / static_cast<double>(loop.size());
+    return std::min(left.samples, right.samples) >= least &&
+           (left.volume_closed_at(centre) < 0.0) != (right.volume_closed_at(centre) < 0.0);
   };
-  for (const Loop& loop : loops)
-    for_each_edge(loop, [&](Index h) { is_wall[h] = is_wall[mesh.twin(h)] = 1; });
-  DisjointSets joined(mesh.face_slots());
-  const auto join_across = [&](Index h) {
-    return joined.unite(SurfaceMesh::face(h), SurfaceMesh::face(mesh.twin(h)));
-  };
-  for (Index h = 0; h < 3 * mesh.face_slots(); ++h)
-    if (!is_wall[h]) join_across(h);
-  progress.update(0.0);
-  std::stable_sort(loops.begin(), loops.end(),
-                   [](const Loop& a, const Loop& b) { return a.size() < b.size(); });
   std::vector<Loop> kept;
   for (auto loop = loops.rbegin(); loop != loops.rend(); ++loop) {
-    bool separates = false;
-    for_each_edge(*loop, [&](Index h) { separates = join_across(h) || separates; });
-    if (!separates) kept.push_back(std::move(*loop));
+    const Index h = mesh.find_halfedge(loop->front(), (*loop)[1]);
+    const Index left = pieces.of(h), right = pieces.of(mesh.twin(h));
+    if (left != right && is_mouth(*loop, figures[left], figures[right])) {
+      kept.push_back(std::move(*loop));
+      continue;
+    }
+    if (!pieces.join_across(*loop)) continue;
+    PieceFigures both = figures[left];
+    both.add(figures[right]);
+    figures[pieces.of(h)] = both;
   }
   loops = std::move(kept);
 }

@@ -74,6 +74,13 @@ class DisjointLoops {
 /// can be cut and stays in one piece. Pre: they have no vertex in common. O(F).
 void keep_inseparable(const SurfaceMesh& mesh, std::vector<Loop>& loops, Progress& progress);
 
+/// Leaves out loops, the longest first, but for the mouths of cavities: a cut there parts the wall
+/// of a cavity (what encloses less than nothing) from what bounds a body, and each of the two holds
+/// at least `least` samples, as `samples_of` counts them at the vertices. Pre: they have no vertex
+/// in common. O(V).
+void keep_mouths_of_cavities(const SurfaceMesh& mesh, std::vector<Loop>& loops,
+                             const std::vector<Index>& samples_of, Index least, Progress& progress);
+
 /// Opens the surface along loops that have no vertex in common, and closes each side with a fan.
 /// Post: not compact.
 void cut_along(SurfaceMesh& mesh, const std::vector<Loop>& loops, Progress& progress);
