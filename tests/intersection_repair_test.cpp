@@ -142,6 +142,29 @@ TEST(IntersectionRepair, AnnealsWhatNothingElseParts) {
   EXPECT_GT(annealed, 5);
 }
 
+// By annealing so brief that some patches come out of it with faces that meet.
+TEST(IntersectionRepair, InsistsWhereLittleIsLeft) {
+  Index left = 0, left_without = 0, worse = 0;
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    Random random(seed);
+    SurfaceMesh mesh = icosphere(3);
+    shake(mesh, 1.6, random);
+    SurfaceMesh other = mesh;
+    RepairOptions options;
+    options.annealing.moves_per_face = 5;
+    const RepairReport report = repair(mesh, options);
+    options.insists = false;
+    const RepairReport without = repair(other, options);
+    EXPECT_EQ(report.after, count_pairs(mesh));
+    left += report.faces_after;
+    left_without += without.faces_after;
+    worse += report.after > without.after;
+  }
+  EXPECT_GE(left_without, 9) << "the cases are too easy";
+  EXPECT_LT(2 * left, left_without);
+  EXPECT_EQ(worse, 0);
+}
+
 TEST(IntersectionRepair, DoesWhatItCanOnAHopelessMesh) {
   for (unsigned seed = 0; seed < 3; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));

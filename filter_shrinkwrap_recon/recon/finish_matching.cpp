@@ -93,6 +93,7 @@ void Finish::remove_with_cuts() {
   RepairOptions near = options_;
   near.max_annealed_rings = 2;
   near.folds.most_folded = 0.0;
+  near.insists = false;
   std::int64_t tests_left = kTestsOfTrials + kTestsPerFace * matching_.mesh.face_count();
   for (const Index most_cuts : kMostCuts) {
     ClosingOptions options;

@@ -31,6 +31,10 @@ constexpr std::int64_t kTestsPerFace = 20;
 constexpr std::int64_t kTrialsOfRelocation = 50;
 // Beside that there are moves of annealing, so many for each trial that is allowed for a face.
 constexpr std::int64_t kMovesPerTrial = 20;
+// Where all fails, and so little is left that each of its faces can have so many more moves (of so
+// many times as many in all), it is annealed anew, and so often at most.
+constexpr std::int64_t kMovesPerFaceLeft = 7000, kSpareMoves = 3;
+constexpr AnnealingOptions::Seed kMostSeeds = 8;
 constexpr Index kPollInterval = 8;
 
 // What is tried in turn, the next where the one before is of no avail.
@@ -53,6 +57,8 @@ constexpr Attempt kAttempts[] = {{Move::flips, 1, false},
                                  {Move::annealing, 2, true},
                                  {Move::annealing, 3, true}};
 constexpr std::size_t kAttemptCount = std::size(kAttempts);
+// Those that annealing insists with, by another seed each time.
+constexpr std::size_t kInsistent[] = {kAttemptCount - 2, kAttemptCount - 1};
 
 class Repair {
  public:
@@ -94,6 +100,7 @@ class Repair {
 
   void try_near(const Attempt& attempt, const std::vector<Index>& faces, double done);
   void note_change(const std::vector<Index>& faces);
+  bool insist();
   std::vector<std::vector<Index>> changed_sets();
   std::vector<Index> affected_faces(const std::vector<Index>& touched) const;
   std::vector<Index> untried_faces() const;
@@ -109,7 +116,8 @@ class Repair {
   std::vector<Index> changed_;  // faces that did, in all rounds
   std::unordered_map<Index, std::vector<Index>> changed_with_;  // links of those that did at once
   Index flips_ = 0, relocated_ = 0, annealed_ = 0;
-  std::int64_t trials_left_ = 0, moves_left_ = 0;
+  std::int64_t trials_left_ = 0, moves_left_ = 0, spare_moves_ = 0;
+  AnnealingOptions::Seed seed_ = 0;  // of annealing: another one each time that it insists
   Index faces_before_annealing_ = kNone;
   bool has_granted_ = false;  // tests for annealing
   bool ran_short_ = false;    // before
@@ -179,6 +187,7 @@ void Repair::anneal_near(const std::vector<Index>& faces, int rings, double done
   if (faces_before_annealing_ > kMostMeeting * mesh_.face_count()) return;
   AnnealingOptions options = options_.annealing;
   options.moves_per_face *= rings;
+  options.seed = seed_;
   const auto met_by = [&](Index f) -> const std::vector<Index>& {
     return meetings_.faces_met_by(f);
   };
@@ -195,7 +204,13 @@ void Repair::anneal_near(const std::vector<Index>& faces, int rings, double done
     if (!meetings_.has_tests_left()) return;
     std::vector<Triangle> before;
     for (const Index f : patch) before.push_back(mesh_.triangle(f));
-    if (!anneal_patch(hinges_, patch, limits_, options, moves_left_, progress_, done)) continue;
+    std::int64_t moves = moves_left_;
+    if (seed_ > 0)
+      moves = std::min(moves, kMovesPerFaceLeft * static_cast<std::int64_t>(cluster.size()));
+    moves_left_ -= moves;
+    const bool is_better = anneal_patch(hinges_, patch, limits_, options, moves, progress_, done);
+    moves_left_ += moves;
+    if (!is_better) continue;
     ++annealed_;
     std::vector<Index> changed;
     for (std::size_t i = 0; i < patch.size(); ++i)
@@ -298,6 +313,18 @@ void Repair::try_near(const Attempt& attempt, const std::vector<Index>& faces, d
   }
 }
 
+// Allows for annealing what is left by another seed. False if that is too much, or none is.
+bool Repair::insist() {
+  const std::int64_t moves =
+      kMovesPerFaceLeft * static_cast<std::int64_t>(meetings_.faces().size());
+  if (moves == 0 || moves > spare_moves_ || seed_ == kMostSeeds) return false;
+  moves_left_ = moves;
+  spare_moves_ -= moves;
+  meetings_.grant(kTestsPerMove * moves);
+  ++seed_;
+  return true;
+}
+
 void Repair::part_faces(RepairReport& report) {
   std::vector<Index> faces = meetings_.faces();
   if (faces.empty()) return;
@@ -308,6 +335,8 @@ void Repair::part_faces(RepairReport& report) {
   trials_left_ = std::min(max_trials, options_.max_trials_per_face * report.faces_before);
   moves_left_ = std::min(most_moves(mesh_),
                          kMovesPerTrial * options_.max_trials_per_face * report.faces_before);
+  const bool may_insist = options_.insists && may_try(kAttempts[kInsistent[0]]);
+  spare_moves_ = may_insist ? kSpareMoves * moves_left_ : 0;
   progress_.set_range(0.8, 1.0);
   std::vector<Index> changed;
   // Faces near which each attempt has not failed since something changed there.
@@ -322,7 +351,11 @@ void Repair::part_faces(RepairReport& report) {
                             faces.end(), std::back_inserter(active));
       pending[attempt].clear();
     }
-    if (active.empty()) break;
+    if (active.empty()) {
+      if (!insist()) break;
+      pending[kInsistent[seed_ % 2]] = untried_faces();
+      continue;
+    }
     touched_.clear();
     try_near(kAttempts[attempt - 1], active,
              static_cast<double>(report.rounds) / options_.max_rounds);

@@ -12,6 +12,7 @@ namespace shrinkwrap {
 namespace {
 
 constexpr int kPollInterval = 256;
+constexpr std::mt19937::result_type kSeedStride = 0x9e3779b9;  // far from any index of a face
 constexpr int kMostPasses = 16;  // over the edges of a patch, to settle
 
 class Annealing {
@@ -24,7 +25,8 @@ class Annealing {
         patch_(patch),
         limits_(limits),
         options_(options),
-        random_(static_cast<std::mt19937::result_type>(patch.front())) {
+        random_(static_cast<std::mt19937::result_type>(patch.front()) +
+                kSeedStride * options.seed) {
     double length = 0.0;
     for (const Index f : patch)
       for (Index h = 3 * f; h < 3 * f + 3; ++h) {

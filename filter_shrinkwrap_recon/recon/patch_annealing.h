@@ -26,6 +26,8 @@ struct AnnealingOptions {
   /// What bending by the length of an edge counts beside a pair of faces.
   double bending_weight = 0.6;
   double relocations = 0.15;  ///< the part of the moves that relocates a sample
+  using Seed = std::uint32_t;
+  Seed seed = 0;  ///< of the numbers that a patch draws
 };
 
 /// What all patches of a mesh may take together: moves, and tests of pairs of faces for each.
@@ -45,8 +47,8 @@ constexpr std::size_t kLargestPatch = 500;
 /// `patch`: faces, ascending; others do not change, and the fixed faces of `hinges` neither.
 /// `moves_left` is lowered by the moves tried, which stop at 0. Returns true if the patch is
 /// better. The vertices do not move, and the mesh stays a closed 2-manifold of the same topology.
-/// Deterministic: the same patch draws the same numbers. Progress stays at `stage_done`; throws
-/// Cancelled.
+/// Deterministic: the same patch draws the same numbers with the same seed. Progress stays at
+/// `stage_done`; throws Cancelled.
 bool anneal_patch(HingeFlips& hinges, const std::vector<Index>& patch, const FlipLimits& limits,
                   const AnnealingOptions& options, std::int64_t& moves_left, Progress& progress,
                   double stage_done);
