@@ -25,11 +25,23 @@ class Finish {
  public:
   Finish(CompleteMatching& matching, Index samples, const RepairOptions& options,
          Progress& progress)
-      : matching_(matching), samples_(samples), options_(options), progress_(progress) {}
+      : matching_(matching),
+        samples_(samples),
+        options_(options),
+        in_brief_(options),
+        progress_(progress) {
+    in_brief_.insists = false;
+  }
 
   FinishReport run() {
-    report_.repair = repair(matching_, options_);
-    if (has_extra_vertices()) remove_extra_vertices();
+    if (has_extra_vertices()) {
+      report_.repair = repair(matching_, in_brief_);
+      remove_extra_vertices();
+      if (!options_.insists || report_.repair.faces_after == 0) return std::move(report_);
+      report_.repair.add(repair(matching_, options_));
+    } else {
+      report_.repair = repair(matching_, options_);
+    }
     return std::move(report_);
   }
 
@@ -44,7 +56,7 @@ class Finish {
   }
   // Once more, near what has changed since `tried_` was filled in.
   RepairReport repair_again() {
-    RepairOptions options = options_;
+    RepairOptions options = in_brief_;
     options.tried = tried_;
     return repair(matching_, options);
   }
@@ -65,6 +77,7 @@ class Finish {
   CompleteMatching& matching_;
   Index samples_;
   const RepairOptions& options_;
+  RepairOptions in_brief_;  // of what goes on to change
   Progress& progress_;
   FinishReport report_;
   std::vector<Triangle> tried_;  // by repairs of all kinds of moves: see RepairOptions
@@ -90,10 +103,9 @@ void Finish::remove_with_cuts() {
   // Of a heap no trial shows anything.
   if (report_.repair.faces_after > kMostMeeting * matching_.mesh.face_count()) return;
   // In brief and near what has changed, since there are many trials.
-  RepairOptions near = options_;
+  RepairOptions near = in_brief_;
   near.max_annealed_rings = 2;
   near.folds.most_folded = 0.0;
-  near.insists = false;
   std::int64_t tests_left = kTestsOfTrials + kTestsPerFace * matching_.mesh.face_count();
   for (const Index most_cuts : kMostCuts) {
     ClosingOptions options;

@@ -97,10 +97,10 @@ double affordable_pixel(const std::vector<Vec3f>& points, double pixel) {
 // The views in front of a sample and behind it, half of those possible each.
 VisibilityVote vote_of(double possible, double in_front, double behind, double foremost) {
   const double more = std::max(in_front, behind), less = std::min(in_front, behind);
-  if (more <= 0.0) return {possible, 0.0, 0.0, 0.0, possible};
+  if (more <= 0.0) return {possible, 0.0, 0.0, possible};
   const double unlike = 1.0 - less / more;
-  return {possible, more + less, foremost, (in_front - behind) * unlike * unlike,
-          possible * std::max(0.0, 1.0 - 2.0 * less / (kSeenOpenly * possible))};
+  return {possible, more + less, (in_front - behind) * unlike * unlike,
+          possible * std::max(0.0, 1.0 - 2.0 * less / (kSeenOpenly * possible)), foremost};
 }
 
 }  // namespace

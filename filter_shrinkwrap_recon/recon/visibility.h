@@ -10,11 +10,11 @@ namespace shrinkwrap {
 struct VisibilityVote {
   double possible = 0.0;  ///< of all such views
   double seen = 0.0;      ///< of those that see the sample
-  double foremost = 0.0;  ///< of those in which nothing of another component is before it
   double outward = 0.0;   ///< how much more those on the side that the normal points to see it than
                           ///< the others; the less, the more alike both sides are seen
   double closed = 0.0;    ///< x possible: 1 where nobody sees the other side, as within a body, 0
                           ///< where a quarter of the views does, as on both sides of an open sheet
+  double foremost = 0.0;  ///< as `seen`, but with nothing of another component before the sample
 
   /// In [-1, 1]: how much more the side that the normals point to is seen than the other.
   double majority() const { return possible > 0.0 ? outward / possible : 0.0; }
@@ -24,7 +24,7 @@ struct VisibilityVote {
   double trust() const;
 
   /// On the opposite normal.
-  VisibilityVote turned() const { return {possible, seen, foremost, -outward, closed}; }
+  VisibilityVote turned() const { return {possible, seen, -outward, closed, foremost}; }
   void add(const VisibilityVote& other) {
     possible += other.possible;
     seen += other.seen;
