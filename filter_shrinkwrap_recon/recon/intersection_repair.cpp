@@ -33,7 +33,7 @@ constexpr std::int64_t kTrialsOfRelocation = 50;
 constexpr std::int64_t kMovesPerTrial = 20;
 // Where all fails, and so little is left that each of its faces can have so many more moves (of so
 // many times as many in all), it is annealed anew, and so often at most.
-constexpr std::int64_t kMovesPerFaceLeft = 7000, kSpareMoves = 2;
+constexpr std::int64_t kMovesPerFaceLeft = 7000, kSpareMoves = 3;
 constexpr AnnealingOptions::Seed kMostSeeds = 8;
 constexpr Index kPollInterval = 8;
 
