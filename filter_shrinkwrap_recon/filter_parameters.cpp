@@ -181,7 +181,8 @@ Parameter cut_false_handles() {
   return advanced(boolean(
       kCutFalseHandles, "Cut false handles", true,
       "Robust method: cut handles that no points bear out, which are bridges between close parts "
-      "and tunnels through thin walls; the log says how many. Off: they stay. Of use for objects "
+      "and tunnels through thin walls, and close such tunnels into cavities; the log says how "
+      "many. Off: they stay. Of use for objects "
       "whose own limbs, or holes through them, are hardly wider than two sample spacings."));
 }
 

@@ -94,7 +94,6 @@ TEST(FalseHandles, CutsOfHandlesPartNothing) {
   const auto samples = sample_implicit(balls, {}, 1000, random);
   InitialMeshOptions joined;
   joined.voxel_ratio_for_detail = 0.0;
-  joined.false_handles.least_of_cavity = 1000;
   Progress silent;
   InitialMesh result = make_initial_mesh(oriented_cloud(samples.points), joined, silent);
   ASSERT_EQ(result.report.components, 1) << "nothing is joined: this test tests nothing";
@@ -128,7 +127,8 @@ TEST(FalseHandles, MouthsOfCavitiesAreClosed) {
   EXPECT_GE(4 * parted, 3 * joined);
 }
 
-// Two balls with a rod of two spacings between them, and a hollow ball with a channel of three.
+// Two balls with a rod of two spacings between them, a hollow ball with a channel of three, and one
+// in which a ball hangs by such a rod.
 TEST(FalseHandles, NecksAndTrueMouthsStay) {
   const auto dumbbell = [](const Vec3& p) {
     const Vec3 centre(0.55, 0.0, 0.0);
@@ -139,11 +139,18 @@ TEST(FalseHandles, NecksAndTrueMouthsStay) {
     const double channel = std::max(std::hypot(p.y(), p.z()) - 0.13, -p.x());
     return std::max(p.norm() - 0.9, -std::min(p.norm() - 0.6, channel));
   };
+  const auto clapper = [](const Vec3& p) {
+    const double rod = std::max(std::hypot(p.y(), p.z()) - 0.07, std::abs(p.x() - 0.4) - 0.4);
+    const double hollow = std::max(p.norm() - 0.97, 0.7 - p.norm());
+    return std::min({hollow, p.norm() - 0.35, rod});
+  };
   Index whole = 0;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     Random random(seed);
-    for (const auto& points : {sample_implicit(dumbbell, {}, 1000, random).points,
-                               sample_implicit(bottle, {}, 2000, random).points}) {
+    std::vector<std::vector<Vec3>> clouds = {sample_implicit(dumbbell, {}, 1000, random).points,
+                                             sample_implicit(bottle, {}, 2000, random).points};
+    if (seed <= kSeeds / 4) clouds.push_back(sample_implicit(clapper, {}, 4500, random).points);
+    for (const auto& points : clouds) {
       const InitialMeshReport report = initial_mesh_of(points).report;
       const InitialMeshReport without = initial_mesh_of(points, false).report;
       EXPECT_EQ(report.false_mouths, 0) << seed;

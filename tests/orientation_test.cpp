@@ -342,6 +342,29 @@ TEST(Orientation, NoWallIsSeenThroughAnother) {
   }
 }
 
+// Splats of few of the samples, as large as the hole, hide it: no wall of a cavity, though it lies
+// within the body.
+TEST(Orientation, AnIslandDeepInAHoleIsSeen) {
+  std::vector<Vec3> points;
+  for (const Vec3& p : sphere(30000, 1.0, Vec3::Zero(), 6))
+    if (p.z() < 0.0 || std::hypot(p.x(), p.y()) > 0.15) points.push_back(p);
+  const auto of_ball = static_cast<Index>(points.size());
+  Random random(7);
+  while (points.size() < static_cast<std::size_t>(of_ball) + 120) {
+    const Vec3 p = random.in_cube();
+    if (std::hypot(p.x(), p.y()) < 1.0) points.emplace_back(0.1 * p.x(), 0.1 * p.y(), 0.93);
+  }
+  PointCloud cloud = prepare(points);
+  OrientationOptions options;
+  options.drawn_samples = options.propagation_samples = 1000;
+  Progress silent;
+  const OrientationReport report = orient_normals(cloud, options, silent);
+  EXPECT_EQ(report.components, 2);
+  Index wrong = 0;
+  for (Index i = 0; i < cloud.size(); ++i) wrong += outwardness(cloud, i) < 0.9;
+  EXPECT_EQ(wrong, 0);
+}
+
 // From outside nobody sees those in the middle, which are no cavities.
 TEST(Orientation, BodiesBehindOthersFaceOutwards) {
   std::vector<Vec3> points, centres;

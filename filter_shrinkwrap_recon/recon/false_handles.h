@@ -27,8 +27,8 @@ Index cut_false_handles(SurfaceMesh& mesh, const PointCloud& cloud,
 
 /// The same for tunnels that lead into a cavity, and so are no handles: closes them, which parts
 /// the wall of the cavity from the surface outside. Necks between bodies stay, as thin rods of few
-/// samples look like false ones. `cut_false_handles` comes first. Returns how many were closed.
-/// O(V + N).
+/// samples look like false ones. Pre: as above, and after `cut_false_handles`. Returns how many
+/// were closed. O(V + N).
 Index close_false_mouths(SurfaceMesh& mesh, const PointCloud& cloud,
                          const FalseHandleOptions& options, Progress& progress);
 

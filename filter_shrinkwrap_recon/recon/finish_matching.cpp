@@ -37,8 +37,7 @@ class Finish {
     if (has_extra_vertices()) {
       report_.repair = repair(matching_, in_brief_);
       remove_extra_vertices();
-      if (!options_.insists || report_.repair.faces_after == 0) return std::move(report_);
-      report_.repair.add(repair(matching_, options_));
+      if (options_.insists && report_.repair.faces_after > 0) insist();
     } else {
       report_.repair = repair(matching_, options_);
     }
@@ -59,6 +58,12 @@ class Finish {
     RepairOptions options = in_brief_;
     options.tried = tried_;
     return repair(matching_, options);
+  }
+  // Once all that changes the mesh is done.
+  void insist() {
+    RepairOptions options = options_;
+    options.tried = tried_by_last_repair();
+    report_.repair.add(repair(matching_, options));
   }
   void add_repair_of_cuts(RepairReport further) {
     // What was cut here says nothing of the surface.

@@ -21,11 +21,11 @@ struct FinishReport {
 /// still meet, they are parted again. Those that stay even so are removed with cuts, at first with
 /// few, and faces are parted near what changed. Where more meet then, all is as before, and the
 /// vertices that were removed nearest to those faces are left out of the next of a few trials; none
-/// is made if more than a fifth of all faces meet others. What stays is drawn in (draw_in.h).
-/// Spanning faces are told anew where a repair changed them (spanning_faces.h).
-/// `matching` and `openings` (the longest edge) are brought up to date. Pre: vertex i below the
-/// samples of the cloud is sample i, or nothing spans an opening. Post: closed 2-manifold of the
-/// same topology.
+/// is made if more than a fifth of all faces meet others. The repair insists (RepairOptions) once
+/// no more vertices are to go. What stays is drawn in (draw_in.h). Spanning faces are told anew
+/// where a repair changed them (spanning_faces.h). `matching` and `openings` (the longest edge) are
+/// brought up to date. Pre: vertex i below the samples of the cloud is sample i, or nothing spans
+/// an opening. Post: closed 2-manifold of the same topology.
 FinishReport finish_matching(CompleteMatching& matching, const PointCloud& cloud, HostScalar scalar,
                              const RepairOptions& options, OpeningsReport& openings,
                              Progress& progress);

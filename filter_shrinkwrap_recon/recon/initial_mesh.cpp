@@ -165,7 +165,9 @@ InitialMesh solid_boundary(const PointCloud& cloud, const WindingNumber& winding
     if (report.genus > 0)
       report.false_handles = cut_false_handles(result.mesh, cloud, options.false_handles, progress);
     report.genus -= report.false_handles;
-    report.false_mouths = close_false_mouths(result.mesh, cloud, options.false_handles, progress);
+    FalseHandleOptions mouths = options.false_handles;
+    mouths.least_of_cavity = std::max(mouths.least_of_cavity, min_samples);
+    report.false_mouths = close_false_mouths(result.mesh, cloud, mouths, progress);
     if (report.false_mouths == 0) return;
     const Index dropped = report.dropped;
     keep_supported(result, cloud, kSupportReach * voxel_size, min_samples, progress);

@@ -33,7 +33,7 @@ constexpr std::int64_t kTrialsOfRelocation = 50;
 constexpr std::int64_t kMovesPerTrial = 20;
 // Where all fails, and so little is left that each of its faces can have so many more moves (of so
 // many times as many in all), it is annealed anew, and so often at most.
-constexpr std::int64_t kMovesPerFaceLeft = 7000, kSpareMoves = 3;
+constexpr std::int64_t kMovesPerFaceLeft = 7000, kSpareMoves = 3, kMostSpareMoves = 500000;
 constexpr AnnealingOptions::Seed kMostSeeds = 8;
 constexpr Index kPollInterval = 8;
 
@@ -318,6 +318,8 @@ bool Repair::insist() {
   const std::int64_t moves =
       kMovesPerFaceLeft * static_cast<std::int64_t>(meetings_.faces().size());
   if (moves == 0 || moves > spare_moves_ || seed_ == kMostSeeds) return false;
+  if (!has_granted_) ran_short_ = !has_time();
+  has_granted_ = true;
   moves_left_ = moves;
   spare_moves_ -= moves;
   meetings_.grant(kTestsPerMove * moves);
@@ -335,8 +337,9 @@ void Repair::part_faces(RepairReport& report) {
   trials_left_ = std::min(max_trials, options_.max_trials_per_face * report.faces_before);
   moves_left_ = std::min(most_moves(mesh_),
                          kMovesPerTrial * options_.max_trials_per_face * report.faces_before);
-  const bool may_insist = options_.insists && may_try(kAttempts[kInsistent[0]]);
-  spare_moves_ = may_insist ? kSpareMoves * moves_left_ : 0;
+  const bool may_insist =
+      options_.insists && may_try(kAttempts[kInsistent[0]]) && may_try(kAttempts[kInsistent[1]]);
+  spare_moves_ = may_insist ? std::min(kSpareMoves * moves_left_, kMostSpareMoves) : 0;
   progress_.set_range(0.8, 1.0);
   std::vector<Index> changed;
   // Faces near which each attempt has not failed since something changed there.
@@ -353,7 +356,7 @@ void Repair::part_faces(RepairReport& report) {
     }
     if (active.empty()) {
       if (!insist()) break;
-      pending[kInsistent[seed_ % 2]] = untried_faces();
+      pending[kInsistent[seed_ % 2]] = faces;
       continue;
     }
     touched_.clear();
@@ -392,7 +395,8 @@ RepairReport Repair::run(std::vector<Index>* spanning_faces, Index samples) {
   report.flips = flips_;
   report.relocated = relocated_;
   report.annealed = annealed_;
-  const bool was_cut_off = report.rounds == options_.max_rounds || (!has_granted_ && !has_time());
+  const bool was_cut_off =
+      seed_ == 0 && (report.rounds == options_.max_rounds || (!has_granted_ && !has_time()));
   report.ran_short = ran_short_ || (report.faces_after > 0 && was_cut_off);
   report.tests = meetings_.tests();
   progress_.set_range(0.0, 1.0);

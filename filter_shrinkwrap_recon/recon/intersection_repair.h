@@ -36,7 +36,7 @@ struct RepairOptions {
   int max_annealed_rings = 3;  ///< around faces that still meet others
   FoldOptions folds;           ///< that are removed at last
   /// Anneals what all this has left, if these are few faces, anew: by up to 8 other seeds, with up
-  /// to three times as many moves.
+  /// to three times as many moves beside those above, at most 500,000.
   bool insists = true;
   /// Of a mesh that was repaired before and has changed in places: `surroundings` of the faces that
   /// were left. Near a face whose surroundings are all among these nothing is tried again, unless

@@ -16,6 +16,7 @@ constexpr int kMostLayers = 64;             // of components within or behind co
 constexpr Index kProbes = 32;               // samples of a component that tell what it lies in
 constexpr Index kDrawnPerComponent = 32;    // at least, of each that has as many
 constexpr double kDepthTolerance = 0.7;     // x spacing of the samples drawn
+constexpr double kSeenOpenly = 0.25;        // of the possible votes: not through a wall
 constexpr double kLeastCosine = 0.1;        // of a sheet that faces a direction
 constexpr double kLeastSheetNormal = 0.25;  // length of the mean normal of an open sheet, at least
 
@@ -97,7 +98,7 @@ class ComponentSigns {
       const std::vector<char> enclosed = layer > 0 ? within_decided(flip) : std::vector<char>();
       std::vector<std::size_t> seen, undecided_sheets;
       for (std::size_t c = 0; c < components; ++c) {
-        if (!waiting_[c] || is_hidden(votes[c])) continue;
+        if (!waiting_[c] || is_hidden(c, votes[c])) continue;
         const double trust = votes[c].trust();
         const bool may_be_open = is_sheet(c) && (trust < 1.0 || is_close(votes[c].majority()));
         const double outward = may_be_open ? trust * votes[c].majority() + votes_on(c).majority()
@@ -127,10 +128,20 @@ class ComponentSigns {
   }
 
  private:
-  // What is seen only through other components waits for these to be decided: views of few samples
-  // see through walls.
-  bool is_hidden(const VisibilityVote& vote) const {
-    return vote.foremost <= options_.least_visible * vote.possible;
+  // Too small a component hides behind the splats of what is around it.
+  bool is_large(std::size_t component) const { return size_[component] > kDrawnPerComponent; }
+  // Only through other components, as views of few of the samples see through walls, or behind
+  // their splats, as what lies deep in a hole of another.
+  bool is_seen_through(const VisibilityVote& vote) const {
+    return vote.foremost <= options_.least_visible * vote.possible &&
+           vote.seen > options_.least_visible * vote.possible;
+  }
+  // What is seen through others waits for these to be decided, unless that is so much of it that
+  // no wall can be between. Pre: drawn as finely as can be, if a large component is seen through.
+  bool is_hidden(std::size_t component, const VisibilityVote& vote) const {
+    if (is_large(component) && is_seen_through(vote))
+      return vote.seen <= kSeenOpenly * vote.possible;
+    return vote.seen <= options_.least_visible * vote.possible;
   }
   bool is_close(double majority) const { return std::abs(majority) < options_.least_vote; }
 
@@ -187,7 +198,8 @@ class ComponentSigns {
   }
 
   // Votes on the components that are waiting. Coarse drawings see through thin parts, so that votes
-  // nearly cancel: then finer ones are made, with fewer views as they cost more.
+  // nearly cancel, and through other components: then finer ones are made, with fewer views as they
+  // cost more.
   std::vector<VisibilityVote> clear_votes() const {
     Index samples = 0;
     for (std::size_t c = 0; c < waiting_.size(); ++c)
@@ -197,9 +209,10 @@ class ComponentSigns {
     for (;;) {
       std::vector<VisibilityVote> votes = by_component(vote(stride, directions));
       bool clear = true;
-      for (std::size_t c = 0; c < votes.size(); ++c)
-        clear = clear && !(waiting_[c] && size_[c] > kDrawnPerComponent && !is_hidden(votes[c]) &&
-                           is_close(votes[c].majority()));
+      for (std::size_t c = 0; c < votes.size() && clear; ++c)
+        clear = !waiting_[c] || !is_large(c) ||
+                !(is_seen_through(votes[c]) ||
+                  (!is_hidden(c, votes[c]) && is_close(votes[c].majority())));
       if (clear || stride == 1) return votes;
       stride = std::max<Index>(1, stride / 4);
       directions = std::max(std::min(directions, 24), directions / 2);

@@ -16,7 +16,8 @@ struct OrientationOptions {
       0.5;  ///< a view votes on a sample only if |normal . direction| is at least this
   Index drawn_samples = 16000;  ///< of larger clouds a part is drawn, more if the votes are close
   double least_vote = 0.02;     ///< undecided below this part of the votes there could have been
-  double least_visible = 0.02;  ///< enclosed if this part or less of the possible votes was cast
+  double least_visible = 0.02;  ///< hidden if this part or less of the possible votes was cast, or
+                                ///< nearly all of them through other components
   Index propagation_samples =
       64000;                        ///< drawn, at most, for the views that have a say in signs ...
   Index judging_samples = 2000000;  ///< ... and for those that judge what came of it, from
@@ -28,7 +29,7 @@ struct OrientationOptions {
 struct OrientationReport {
   Index components = 0;  ///< of the neighbour graph
   Index enclosed_components =
-      0;  ///< nobody sees them from outside: walls of cavities, and the like
+      0;  ///< nobody sees them from outside, but through others: walls of cavities, and the like
   Index undecided_components = 0;  ///< seen as much from one side as from the other: open sheets
   double closedness = 1.0;         ///< of the whole cloud: PointCloud::closedness
 };
@@ -37,9 +38,10 @@ struct OrientationReport {
 /// edges (Hoppe et al. 1992, with another measure of sureness: neighbour_graph.h), or, where less
 /// goes against them, the signs on which all edges and views agree best (sign_agreement.h). Then
 /// one sign per connected component of the graph from visibility: the side that more orthographic
-/// views see is outside. Components that nobody sees are drawn again without those that were seen:
-/// where the winding number of these says that they lie within the body they bound a cavity, else a
-/// body of their own, in a cavity or behind others.
+/// views see is outside. Components that nobody sees, or that are seen only through others
+/// (VisibilityVote::foremost), are drawn again without those that were seen: where the winding
+/// number of these says that they lie within the body they bound a cavity, else a body of their
+/// own, in a cavity or behind others.
 ///
 /// Views are trusted as far as a component is closed (VisibilityVote::trust): what stands on an
 /// open sheet, such as the ground, hides its front. Of a sheet it counts too how convex it is, seen

@@ -30,8 +30,8 @@ struct AnnealingOptions {
   Seed seed = 0;  ///< of the numbers that a patch draws
 };
 
-/// What all patches of a mesh may take together: moves, and tests of pairs of faces for each.
-/// Patches of more faces are heaps, and of no use to try.
+/// What all patches of a mesh may take together, before a repair insists (RepairOptions): moves,
+/// and tests of pairs of faces for each. Patches of more faces are heaps, and of no use to try.
 inline std::int64_t most_moves(const SurfaceMesh& mesh) {
   return 20000 + 2 * static_cast<std::int64_t>(mesh.face_slots());
 }

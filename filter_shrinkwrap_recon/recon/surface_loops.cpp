@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "disjoint_sets.h"
+#include "one_ring.h"
 #include "sort_unique.h"
 
 namespace shrinkwrap {
@@ -210,7 +211,11 @@ void keep_mouths_of_cavities(const SurfaceMesh& mesh, std::vector<Loop>& loops,
   const auto is_mouth = [&](const Loop& loop, const PieceFigures& left, const PieceFigures& right) {
     Vec3 centre = Vec3::Zero();
     for (const Index v : loop) centre += p[v] / static_cast<double>(loop.size());
-    return std::min(left.samples, right.samples) >= least &&
+    double inward =
+        0.0;  // of the normals: in a tunnel they look at its axis, on a rod away from it
+    for (const Index v : loop)
+      inward += gather_one_ring(mesh, v).normal.dot((centre - p[v]).normalized());
+    return inward > 0.0 && std::min(left.samples, right.samples) >= least &&
            (left.volume_closed_at(centre) < 0.0) != (right.volume_closed_at(centre) < 0.0);
   };
   std::vector<Loop> kept;

@@ -74,10 +74,10 @@ class DisjointLoops {
 /// can be cut and stays in one piece. Pre: they have no vertex in common. O(F).
 void keep_inseparable(const SurfaceMesh& mesh, std::vector<Loop>& loops, Progress& progress);
 
-/// Leaves out loops, the longest first, but for the mouths of cavities: a cut there parts the wall
-/// of a cavity (what encloses less than nothing) from what bounds a body, and each of the two holds
-/// at least `least` samples, as `samples_of` counts them at the vertices. Pre: they have no vertex
-/// in common. O(V).
+/// Leaves out loops, the longest first, but for the mouths of cavities: loops around a tunnel, not
+/// a rod, where a cut parts the wall of a cavity (what encloses less than nothing) from what bounds
+/// a body, and each of the two holds at least `least` samples, as `samples_of` counts them at the
+/// vertices. Pre: they have no vertex in common, the mesh has no removed slots. O(V).
 void keep_mouths_of_cavities(const SurfaceMesh& mesh, std::vector<Loop>& loops,
                              const std::vector<Index>& samples_of, Index least, Progress& progress);
 
