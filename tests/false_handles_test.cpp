@@ -83,22 +83,19 @@ TEST(FalseHandles, AreNoneOfTheObject) {
     }
 }
 
-// Two balls so close that voxels join them.
-double balls(const Vec3& p) {
-  const Vec3 centre(0.452, 0.0, 0.0);
-  return std::min((p - centre).norm(), (p + centre).norm()) - 0.45;
-}
-
-TEST(FalseHandles, CutsOfHandlesPartNothing) {
+// Two balls so close that voxels join them: to cut there would part the surface.
+TEST(FalseHandles, CutsPartNothing) {
+  const auto balls = [](const Vec3& p) {
+    const Vec3 centre(0.452, 0.0, 0.0);
+    return std::min((p - centre).norm(), (p + centre).norm()) - 0.45;
+  };
   Random random(1);
   const auto samples = sample_implicit(balls, {}, 1000, random);
-  InitialMeshOptions joined;
-  joined.voxel_ratio_for_detail = 0.0;
-  Progress silent;
-  InitialMesh result = make_initial_mesh(oriented_cloud(samples.points), joined, silent);
+  InitialMesh result = initial_mesh_of(samples.points);
   ASSERT_EQ(result.report.components, 1) << "nothing is joined: this test tests nothing";
   FalseHandleOptions options;
   options.least_cosine = 1.0;
+  Progress silent;
   const std::vector<Triangle> before = result.mesh.triangles();
   EXPECT_EQ(cut_false_handles(result.mesh, oriented_cloud(samples.points), options, silent), 0);
   EXPECT_EQ(result.mesh.triangles(), before);

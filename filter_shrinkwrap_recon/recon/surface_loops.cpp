@@ -211,8 +211,8 @@ void keep_mouths_of_cavities(const SurfaceMesh& mesh, std::vector<Loop>& loops,
   const auto is_mouth = [&](const Loop& loop, const PieceFigures& left, const PieceFigures& right) {
     Vec3 centre = Vec3::Zero();
     for (const Index v : loop) centre += p[v] / static_cast<double>(loop.size());
-    double inward =
-        0.0;  // of the normals: in a tunnel they look at its axis, on a rod away from it
+    // The normals in a tunnel look at its axis, those on a rod away from it.
+    double inward = 0.0;
     for (const Index v : loop)
       inward += gather_one_ring(mesh, v).normal.dot((centre - p[v]).normalized());
     return inward > 0.0 && std::min(left.samples, right.samples) >= least &&

@@ -45,9 +45,9 @@ struct VisibilityOptions {
 /// 3 pixels, so that a surface hides what is behind it; the tolerance grows with the slope. Buffers
 /// hold at most a fixed multiple of the samples drawn (then the pixel is enlarged).
 ///
-/// Where the view is slanting that is several pixels, more than many a wall is thick. With a
-/// component for each sample of the cloud, `foremost` tells of what is seen only through others;
-/// without, it is what is seen.
+/// In slanting views the tolerance is several pixels, more than many a wall is thick. With a
+/// component for each sample of the cloud, `foremost` leaves out what is seen only through others;
+/// without, it is `seen`.
 /// O(directions x drawn); the same for any number of threads.
 std::vector<VisibilityVote> visibility_votes(
     const PointCloud& cloud, const std::vector<Index>& drawn, const VisibilityOptions& options,
