@@ -356,58 +356,69 @@ LargeGaps large_gaps_of(const SurfaceMesh& mesh, const EdgeOptimisationOptions& 
 // The diagonal nearer to the surface: see EdgeOptimisationOptions::least_gap. Along a diagonal the
 // height of the surface is a parabola, for which the mean of an end's height and that of its
 // tangent plane, weighted by the distance to the other end, is exact. Over the middle between the
-// diagonals the heights of the four ends come to nothing: the planes decide.
+// diagonals the heights of the four ends come to nothing: the planes decide. They are those of the
+// faces around the hinge: its own two lean towards the diagonal that is there.
 class TangentPlaneCriterion {
  public:
-  TangentPlaneCriterion(SurfaceMesh& mesh, const LargeGaps& large_gaps, std::vector<Vec3f> normals)
-      : mesh_(mesh), large_gaps_(large_gaps), normals_(std::move(normals)) {}
+  TangentPlaneCriterion(SurfaceMesh& mesh, const LargeGaps& large_gaps)
+      : mesh_(mesh), large_gaps_(large_gaps) {}
 
   bool try_flip(const Hinge& hinge) {
     const auto [a, b, c, d] = hinge.corner;
     const Crossing crossing =
         crossing_of(mesh_.position[a], mesh_.position[b], mesh_.position[c], mesh_.position[d]);
     if (!large_gaps_.has(crossing)) return false;
+    std::array<Vec3, 4> normal;
     Vec3 outward = Vec3::Zero();
-    for (const Index v : hinge.corner) outward += normals_[v].cast<double>();
+    for (int k = 0; k < 4; ++k) outward += normal[k] = normal_around(hinge, hinge.corner[k]);
     const double side = crossing.across.dot(outward) < 0.0 ? -1.0 : 1.0;
-    const double height = height_of_planes(hinge, crossing, side * crossing.across);
-    const bool is_new_nearer = height * side * crossing.gap > 0.0;
-    if (!is_new_nearer || !keeps_shape(hinge, outward)) return false;
+    const double height = height_of_surface(hinge, normal, crossing, side * crossing.across);
+    if (!(height * side * crossing.gap > kLeastHeight * crossing.gap * crossing.gap)) return false;
+    if (!keeps_shape(hinge, outward)) return false;
     if (!mesh_.is_flip_legal(hinge.diagonal)) return false;
     mesh_.flip(hinge.diagonal);
     return true;
   }
 
  private:
-  // Over the middle of the crossing, weighted by the nearness of their vertices.
-  double height_of_planes(const Hinge& hinge, const Crossing& crossing, const Vec3& up) const {
+  // To flip, the surface passes so far beyond the middle of the gap towards the diagonal that would
+  // be new, x the gap. That diagonal is at 0.5; what is told of less is as often wrong as right.
+  static constexpr double kLeastHeight = 0.15;
+
+  // Unit normal of the faces at a corner, but for those of the hinge.
+  Vec3 normal_around(const Hinge& hinge, Index corner) const {
+    const Index first = SurfaceMesh::face(hinge.diagonal),
+                second = SurfaceMesh::face(hinge.opposite_diagonal);
+    Vec3 area = Vec3::Zero();
+    mesh_.for_each_outgoing(corner, [&](Index h) {
+      const Index f = SurfaceMesh::face(h);
+      if (f != first && f != second) area += mesh_.area_vector(f);
+    });
+    return unit_or_zero(area);
+  }
+
+  // Of the surface over the middle of the crossing: half of what the planes have there, which are
+  // weighted by the nearness of their vertices, mean of both diagonals.
+  double height_of_surface(const Hinge& hinge, const std::array<Vec3, 4>& normal,
+                           const Crossing& crossing, const Vec3& up) const {
     constexpr double kLeastCosine = 0.3;  // steeper planes count as this steep
     const std::array<double, 4> weight = {1.0 - crossing.on_ab, crossing.on_ab,
                                           1.0 - crossing.on_cd, crossing.on_cd};
     double height = 0.0;
-    for (int k = 0; k < 4; ++k) {
-      const Index v = hinge.corner[k];
-      const Vec3 normal = normals_[v].cast<double>();
-      height += weight[k] * normal.dot(mesh_.position[v] - crossing.middle) /
-                std::max(normal.dot(up), kLeastCosine);
-    }
-    return height;
+    for (int k = 0; k < 4; ++k)
+      height += weight[k] * normal[k].dot(mesh_.position[hinge.corner[k]] - crossing.middle) /
+                std::max(normal[k].dot(up), kLeastCosine);
+    return 0.25 * height;
   }
 
-  // No crease, of which planes tell nothing, no sliver, no face turned away, nearly Delaunay.
+  // No face turned away, no sliver, nearly Delaunay.
   bool keeps_shape(const Hinge& hinge, const Vec3& outward) const {
-    static const double crease_cosine = std::cos(60.0 * kPi / 180.0);
     static const double least_angle_cosine = std::cos(8.0 * kPi / 180.0);
-    constexpr double kMostAtEnds = 240.0 * kPi / 180.0;
+    constexpr double kMostAtEnds = 260.0 * kPi / 180.0;
     const Vec3 &a = mesh_.position[hinge.corner[0]], &b = mesh_.position[hinge.corner[1]],
                &c = mesh_.position[hinge.corner[2]], &d = mesh_.position[hinge.corner[3]];
-    const Vec3 old_first = unit_or_zero((b - a).cross(c - a)),
-               old_second = unit_or_zero((a - b).cross(d - b)),
-               new_first = unit_or_zero((c - d).cross(a - d)),
-               new_second = unit_or_zero((b - d).cross(c - d));
-    if (std::min(old_first.dot(old_second), new_first.dot(new_second)) < crease_cosine)
+    if (!(std::min((c - d).cross(a - d).dot(outward), (b - d).cross(c - d).dot(outward)) > 0.0))
       return false;
-    if (!(std::min(new_first.dot(outward), new_second.dot(outward)) > 0.0)) return false;
     const double narrowest =
         std::max(cosine_of_smallest_angle(d, c, a), cosine_of_smallest_angle(c, d, b));
     if (narrowest > least_angle_cosine &&
@@ -423,7 +434,6 @@ class TangentPlaneCriterion {
 
   SurfaceMesh& mesh_;
   LargeGaps large_gaps_;
-  std::vector<Vec3f> normals_;  // per vertex
 };
 
 // Looks at every edge, and again at those around each flip, until no flip helps.
@@ -511,9 +521,8 @@ EdgeOptimisationReport optimise_edges(SurfaceMesh& mesh, const EdgeOptimisationO
   if (options.crease_angle > 0.0) flip(DelaunayCriterion(mesh, options), 0.7, 0.85);
   if (options.least_gap < 1.0) {
     progress.set_range(0.85, 0.9);
-    std::vector<Vec3f> normals = normals_of_vertices(mesh, nullptr, progress);
     const LargeGaps large_gaps = large_gaps_of(mesh, options, progress);
-    flip(TangentPlaneCriterion(mesh, large_gaps, std::move(normals)), 0.9, 1.0);
+    flip(TangentPlaneCriterion(mesh, large_gaps), 0.9, 1.0);
   }
   progress.update(1.0);
   return report;
