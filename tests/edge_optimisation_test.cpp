@@ -130,7 +130,7 @@ TEST_P(EdgeOptimisation, KeepsVerticesAndTopology) {
 TEST_P(EdgeOptimisation, LeavesFixedFacesAlone) {
   Random random(4);
   SurfaceMesh mesh = testing::torus_mesh(40, 16);
-  for (Vec3& p : mesh.position) p += 0.03 * random.in_cube();
+  for (Vec3& p : mesh.position) p += 0.02 * random.in_cube();
   const std::vector<Triangle> before = mesh.triangles();
   std::vector<Index> fixed;
   for (Index f = 0; f < mesh.face_slots(); f += 3) fixed.push_back(f);
@@ -213,7 +213,7 @@ TEST(BendingCriterion, KeepsTrianglesWellShaped) {
 TEST(BendingCriterion, IsDoneAfterOneCall) {
   Random random(7);
   SurfaceMesh mesh = testing::torus_mesh(40, 16);
-  for (Vec3& p : mesh.position) p += 0.03 * random.in_cube();
+  for (Vec3& p : mesh.position) p += 0.02 * random.in_cube();
   const std::vector<Vec3> guide = mesh.vertex_normals();
   Progress progress;
   EdgeOptimisationOptions options;
@@ -341,7 +341,7 @@ TEST(CreaseAngle, LeavesCreasesAlone) {
 TEST(CreaseAngle, MakesNoCreaseOnRoughSurfaces) {
   Random random(11);
   SurfaceMesh mesh = testing::torus_mesh(120, 40);
-  for (Vec3& p : mesh.position) p += 0.03 * random.in_cube();
+  for (Vec3& p : mesh.position) p += 0.02 * random.in_cube();
   Progress progress;
   EdgeOptimisationOptions options;
   options.least_gap = 1.0;
