@@ -8,11 +8,13 @@
 
 #include "edge_optimisation.h"
 #include "expect_mesh.h"
+#include "shapes.h"
 
 namespace shrinkwrap {
 namespace {
 
 using testing::expect_closed_manifold;
+using testing::Random;
 
 // Only the tangent planes choose, wherever diagonals differ.
 EdgeOptimisationOptions planes_alone() {
@@ -98,6 +100,31 @@ TEST(NearerDiagonal, SeesThatALimbIsRound) {
     mesh.for_each_outgoing(v, [&](Index h) { is_along |= mesh.target(h) == v + 6; });
     EXPECT_TRUE(is_along) << v;
   }
+}
+
+SurfaceMesh rough_torus(double noise) {
+  Random random(23);
+  SurfaceMesh mesh = testing::torus_mesh(60, 24);
+  for (Vec3& p : mesh.position) p += noise * random.in_cube();
+  return mesh;
+}
+// Each flip changes the planes of the hinges around: some would take turns for ever.
+TEST(NearerDiagonal, ComesToAnEnd) {
+  SurfaceMesh mesh = rough_torus(0.01);
+  Progress progress;
+  const Index flips = optimise_edges(mesh, planes_alone(), progress).flips;
+  EXPECT_GT(flips, 500);
+  EXPECT_LT(flips, mesh.halfedge_slots() / 8);
+}
+
+TEST(NearerDiagonal, LeavesRoughSurfacesAlone) {
+  EdgeOptimisationOptions options = planes_alone();
+  options.least_gap = 0.03;
+  Progress progress;
+  SurfaceMesh mesh = rough_torus(0.08), other = mesh;
+  EXPECT_EQ(optimise_edges(mesh, options, progress).flips, 0);
+  options.rough_gap = 1.0;
+  EXPECT_GT(optimise_edges(other, options, progress).flips, 0);
 }
 
 }  // namespace

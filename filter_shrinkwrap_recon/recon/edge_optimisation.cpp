@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "delaunay_flips.h"
@@ -345,11 +346,11 @@ LargeGaps large_gaps_of(const SurfaceMesh& mesh, const EdgeOptimisationOptions& 
     std::nth_element(gaps.begin(), nth, gaps.end());
     return *nth;
   };
-  large.least_relative = options.least_gap;
-  if (!relative.empty())
-    large.least_relative =
-        std::max(large.least_relative, options.gap_over_median * least_of_largest(relative, 0.5));
-  large.least_absolute = least_of_largest(absolute, options.largest_gaps);
+  const double median = relative.empty() ? 0.0 : least_of_largest(relative, 0.5);
+  large.least_relative = std::max(options.least_gap, options.gap_over_median * median);
+  large.least_absolute = median < options.rough_gap
+                             ? least_of_largest(absolute, options.largest_gaps)
+                             : std::numeric_limits<double>::infinity();
   return large;
 }
 
@@ -361,13 +362,15 @@ LargeGaps large_gaps_of(const SurfaceMesh& mesh, const EdgeOptimisationOptions& 
 class TangentPlaneCriterion {
  public:
   TangentPlaneCriterion(SurfaceMesh& mesh, const LargeGaps& large_gaps)
-      : mesh_(mesh), large_gaps_(large_gaps) {}
+      : mesh_(mesh), large_gaps_(large_gaps), flips_(mesh.halfedge_slots(), 0) {}
 
   bool try_flip(const Hinge& hinge) {
     const auto [a, b, c, d] = hinge.corner;
     const Crossing crossing =
         crossing_of(mesh_.position[a], mesh_.position[b], mesh_.position[c], mesh_.position[d]);
     if (!large_gaps_.has(crossing)) return false;
+    std::uint8_t& flips = flips_[std::min(hinge.diagonal, hinge.opposite_diagonal)];
+    if (flips == kMostFlips) return false;
     std::array<Vec3, 4> normal;
     Vec3 outward = Vec3::Zero();
     for (int k = 0; k < 4; ++k) outward += normal[k] = normal_around(hinge, hinge.corner[k]);
@@ -377,6 +380,7 @@ class TangentPlaneCriterion {
     if (!keeps_shape(hinge, outward)) return false;
     if (!mesh_.is_flip_legal(hinge.diagonal)) return false;
     mesh_.flip(hinge.diagonal);
+    ++flips;
     return true;
   }
 
@@ -384,6 +388,9 @@ class TangentPlaneCriterion {
   // To flip, the surface passes so far beyond the middle of the gap towards the diagonal that would
   // be new, x the gap. That diagonal is at 0.5; what is told of less is as often wrong as right.
   static constexpr double kLeastHeight = 0.15;
+
+  // Of one edge: each flip changes the normals around, and some hinges would take turns for ever.
+  static constexpr std::uint8_t kMostFlips = 2;
 
   // Unit normal of the faces at a corner, but for those of the hinge.
   Vec3 normal_around(const Hinge& hinge, Index corner) const {
@@ -434,6 +441,7 @@ class TangentPlaneCriterion {
 
   SurfaceMesh& mesh_;
   LargeGaps large_gaps_;
+  std::vector<std::uint8_t> flips_;  // of each edge, by its lower half-edge
 };
 
 // Looks at every edge, and again at those around each flip, until no flip helps.
