@@ -222,7 +222,10 @@ void tell_of_attempts(const Reconstruction& result, FilterOutcome& outcome) {
         " (some may have gone, with cuts), " + what + ": " +
         (attempt.is_finished
              ? std::to_string(second.meeting) + " and " + std::to_string(no_samples(second)) +
-                   " then, and " + (attempt.is_taken ? "taken" : "not taken")
+                   " then, " + formatted("%.2f", 100.0 * second.across) +
+                   " % of the area across the planes of the samples in place of " +
+                   formatted("%.2f", 100.0 * first.across) + " %, and " +
+                   (attempt.is_taken ? "taken" : "not taken")
              : "no mesh came of it"));
   };
   tell(result.backs, "with the backs of sheets, where no sample is, as openings");

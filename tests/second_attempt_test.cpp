@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <new>
+#include <numeric>
 
 #include "shapes.h"
 
@@ -13,6 +14,7 @@ ResultMesh as_result(const SurfaceMesh& surface) {
   ResultMesh mesh;
   mesh.position = surface.position;
   mesh.triangles = surface.triangles();
+  mesh.input_index.assign(mesh.position.size(), kNone);
   return mesh;
 }
 
@@ -36,9 +38,9 @@ struct Outcome {
 };
 
 Outcome after(Reconstruction first, Reconstruction second, bool is_same_surface = false,
-              const std::function<void()>& make = kMake) {
+              const std::function<void()>& make = kMake, const PointCloud& cloud = {}) {
   Progress silent;
-  try_again(first, second, &Reconstruction::backs, is_same_surface, silent, make);
+  try_again(first, second, &Reconstruction::backs, is_same_surface, cloud, silent, make);
   return {first.backs, std::move(first)};
 }
 
@@ -77,6 +79,32 @@ TEST(SecondAttempt, IsTakenIfItAloneKeepsThePromise) {
   EXPECT_TRUE(after(with_faults({6, 6, 0}), with_faults({50, 0, 0})).attempt.is_taken);
   EXPECT_TRUE(after(with_faults({0, 0, 1}), with_faults({50, 0, 0})).attempt.is_taken);
   EXPECT_FALSE(after(with_faults({50, 0, 0}), with_faults({1, 1, 0})).attempt.is_taken);
+}
+
+// Of two that keep the promise. Faces of a spike stand across the planes of the sphere.
+TEST(SecondAttempt, IsTakenIfItIsNearerToThePlanesOfTheSamples) {
+  Progress silent;
+  PointCloud cloud = prepare_samples(testing::icosphere(3).position, {}, silent);
+  cloud.normal.clear();
+  for (const Vec3& p : cloud.position) cloud.normal.push_back(p.normalized().cast<float>());
+  const auto with_spikes = [](Index spikes, double length, MatchingFaults faults) {
+    Reconstruction run = with_faults(faults);
+    std::iota(run.mesh.input_index.begin(), run.mesh.input_index.end(), 0);
+    for (Index v = 0; v < spikes; ++v) run.mesh.position[v] *= length;
+    return run;
+  };
+  const auto attempt = [&](Reconstruction first, Reconstruction second) {
+    return after(std::move(first), std::move(second), false, kMake, cloud).attempt;
+  };
+  const SecondAttempt nearer =
+      attempt(with_spikes(2, 2.0, {5, 0, 0}), with_spikes(1, 2.0, {9, 0, 0}));
+  EXPECT_TRUE(nearer.is_taken);
+  EXPECT_LT(nearer.second.across, 0.6 * nearer.first.across);
+  EXPECT_FALSE(attempt(with_spikes(1, 2.0, {9, 0, 0}), with_spikes(2, 2.0, {5, 0, 0})).is_taken);
+  // Where both break it, the faults tell.
+  EXPECT_FALSE(attempt(with_spikes(2, 2.0, {5, 2, 0}), with_spikes(1, 2.0, {9, 2, 0})).is_taken);
+  // Planes that fit as badly tell nothing: the faults do.
+  EXPECT_FALSE(attempt(with_spikes(2, 5.0, {5, 0, 0}), with_spikes(1, 5.0, {9, 0, 0})).is_taken);
 }
 
 TEST(SecondAttempt, IsNotTakenIfMoreFacesMeet) {

@@ -161,7 +161,7 @@ void match_sheets(SurfaceMesh parametric, PointCloud& cloud, const std::vector<V
   options.complete_matching.backs_are_openings = true;
   options.outliers.foot = 0.0;  // as many samples as the first attempt
   const ProgressShare share(progress, kFirst * end, kFirst * end + 1.0 - kFirst);
-  try_again(result, second, &Reconstruction::backs, true, progress, [&] {
+  try_again(result, second, &Reconstruction::backs, true, cloud, progress, [&] {
     StageLog second_log(second, options);
     match(std::move(parametric), cloud, points, options, second, second_log, progress);
   });
@@ -202,7 +202,7 @@ void match_twice(PointCloud& cloud, const std::vector<Vec3>& points, const Noise
   // Without noise it does little for vertices that are no samples, which close openings.
   if (!is_noisy && result.intersection_repair.persistent_faces() == 0) return;
   const ProgressShare share(progress, of_first, 1.0);
-  try_again(result, second, &Reconstruction::smoothing, false, progress, [&] {
+  try_again(result, second, &Reconstruction::smoothing, false, cloud, progress, [&] {
     ReconstructionOptions for_second = options;
     if (result.backs.is_taken) for_second.complete_matching.backs_are_openings = true;
     second.backs = result.backs;

@@ -3,11 +3,14 @@
 #include <algorithm>
 
 #include "attempted.h"
+#include "plane_agreement.h"
 
 namespace shrinkwrap {
 namespace {
 
 constexpr Index kFacesPerVertex = 6;
+// Where as much of the area stands across the planes of the samples, noise has turned these.
+constexpr double kTellsNothing = 0.1;
 
 MatchingFaults faults_of(const Reconstruction& result) {
   const RepairReport& repair = result.intersection_repair;
@@ -17,6 +20,8 @@ MatchingFaults faults_of(const Reconstruction& result) {
 
 bool is_better(const MatchingFaults& a, const MatchingFaults& b) {
   if (a.break_promise() != b.break_promise()) return b.break_promise();
+  if (!a.break_promise() && a.across != b.across && std::max(a.across, b.across) < kTellsNothing)
+    return a.across < b.across;
   return a.weight() < b.weight() && a.still_meeting <= b.still_meeting;
 }
 
@@ -52,7 +57,8 @@ Reconstruction without_stages(Reconstruction& result) {
 }
 
 void try_again(Reconstruction& first, Reconstruction& second, SecondAttempt Reconstruction::*which,
-               bool is_same_surface, Progress& progress, const std::function<void()>& make) {
+               bool is_same_surface, const PointCloud& cloud, Progress& progress,
+               const std::function<void()>& make) {
   SecondAttempt attempt;
   attempt.first = faults_of(first);
   const std::size_t faulty_faces =
@@ -60,10 +66,13 @@ void try_again(Reconstruction& first, Reconstruction& second, SecondAttempt Reco
       kFacesPerVertex * (attempt.first.extra_vertices + attempt.first.cut_out);
   if (faulty_faces == 0 || faulty_faces >= first.mesh.triangles.size() / 2) return;
   attempt.is_made = true;
+  const std::vector<Vec3f> normals = cloud.normal;
   second.outliers = first.outliers;  // some may be samples by now
   attempt.is_finished = attempted([&] {
     make();
     attempt.second = faults_of(second);
+    attempt.first.across = area_across_planes(first.mesh, cloud, normals, progress);
+    attempt.second.across = area_across_planes(second.mesh, cloud, normals, progress);
     if (is_better(attempt.second, attempt.first)) {
       PromiseOptions promise;  // that the samples are matched was seen when they were
       promise.may_be_open = true;

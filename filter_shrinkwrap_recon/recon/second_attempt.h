@@ -15,8 +15,10 @@ Reconstruction without_stages(Reconstruction& result);
 /// a mesh already: that the second cannot be finished is no failure of the run. A cloud most of
 /// whose faces are at fault shows no surface, and is left at that. Of the same surface
 /// (`is_same_surface`) both have the genus, whatever openings then cut off: it is not compared.
-/// Pre: `second` has a stage only if `first` has one of that name.
+/// `cloud`: the samples; `make` may give them other normals, but both meshes are compared with
+/// those from before. Pre: `second` has a stage only if `first` has one of that name.
 void try_again(Reconstruction& first, Reconstruction& second, SecondAttempt Reconstruction::*which,
-               bool is_same_surface, Progress& progress, const std::function<void()>& make);
+               bool is_same_surface, const PointCloud& cloud, Progress& progress,
+               const std::function<void()>& make);
 
 }  // namespace shrinkwrap
