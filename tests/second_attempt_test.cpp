@@ -54,6 +54,17 @@ TEST(SecondAttempt, IsNotMadeIfMostFacesAreFaulty) {
   EXPECT_FALSE(after(with_faults({0, 0, 107}), with_faults({})).attempt.is_made);
 }
 
+TEST(SecondAttempt, AFewAnnealedFacesOfManyTellOfNoWrongSurface) {
+  RepairReport repair;
+  EXPECT_FALSE(tells_of_wrong_surface(repair, 100));
+  repair.annealed = 1;
+  repair.faces_before_annealing = 3;
+  EXPECT_TRUE(tells_of_wrong_surface(repair, 100));
+  EXPECT_FALSE(tells_of_wrong_surface(repair, 30000));
+  repair.faces_after = 2;
+  EXPECT_TRUE(tells_of_wrong_surface(repair, 30000));
+}
+
 TEST(SecondAttempt, IsTakenIfItsFaultsWeighLess) {
   const Outcome outcome = after(with_faults({20, 20, 0}), with_faults({0, 0, 3}));
   EXPECT_TRUE(outcome.attempt.is_taken);
@@ -93,14 +104,18 @@ TEST(SecondAttempt, IsTakenIfItIsNearerToThePlanesOfTheSamples) {
     for (Index v = 0; v < spikes; ++v) run.mesh.position[v] *= length;
     return run;
   };
-  const auto attempt = [&](Reconstruction first, Reconstruction second) {
-    return after(std::move(first), std::move(second), false, kMake, cloud).attempt;
+  const auto attempt = [&](Reconstruction first, Reconstruction second,
+                           bool is_same_surface = false) {
+    return after(std::move(first), std::move(second), is_same_surface, kMake, cloud).attempt;
   };
   const SecondAttempt nearer =
       attempt(with_spikes(2, 2.0, {5, 0, 0}), with_spikes(1, 2.0, {9, 0, 0}));
   EXPECT_TRUE(nearer.is_taken);
   EXPECT_LT(nearer.second.across, 0.6 * nearer.first.across);
   EXPECT_FALSE(attempt(with_spikes(1, 2.0, {9, 0, 0}), with_spikes(2, 2.0, {5, 0, 0})).is_taken);
+  // Of the same surface one may span more openings, where there are no planes.
+  EXPECT_FALSE(
+      attempt(with_spikes(2, 2.0, {5, 0, 0}), with_spikes(1, 2.0, {9, 0, 0}), true).is_taken);
   // Where both break it, the faults tell.
   EXPECT_FALSE(attempt(with_spikes(2, 2.0, {5, 2, 0}), with_spikes(1, 2.0, {9, 2, 0})).is_taken);
   // Planes that fit as badly tell nothing: the faults do.

@@ -200,7 +200,9 @@ void match_twice(PointCloud& cloud, const std::vector<Vec3>& points, const Noise
                  options, result, log, progress);
   }
   // Without noise it does little for vertices that are no samples, which close openings.
-  if (!is_noisy && result.intersection_repair.persistent_faces() == 0) return;
+  if (!is_noisy && !tells_of_wrong_surface(result.intersection_repair,
+                                           static_cast<Index>(result.mesh.triangles.size())))
+    return;
   const ProgressShare share(progress, of_first, 1.0);
   try_again(result, second, &Reconstruction::smoothing, false, cloud, progress, [&] {
     ReconstructionOptions for_second = options;

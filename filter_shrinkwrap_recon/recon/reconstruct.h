@@ -86,9 +86,10 @@ struct MatchingFaults {
 };
 
 /// A mesh that has faults may get a second attempt, unless most of its faces are faulty; that is
-/// taken if it alone keeps the promise. Where both do, it is if less of its area stands across the
-/// planes of the samples (if a tenth of one does, they tell nothing); else, if its faults weigh
-/// less, with no more faces that still meet others. In any case it has no more handles.
+/// taken if it alone keeps the promise. Where both do, one of another surface is if less of its
+/// area stands across the planes of the samples (if a tenth of one does, they tell nothing); else,
+/// if its faults weigh less, with no more faces that still meet others. In any case it has no more
+/// handles.
 struct SecondAttempt {
   bool is_made = false;
   bool is_finished = false;  ///< false: no mesh came of it

@@ -18,9 +18,10 @@ MatchingFaults faults_of(const Reconstruction& result) {
   return {repair.persistent_faces(), repair.faces_after, matching.extra_vertices, matching.cut_out};
 }
 
-bool is_better(const MatchingFaults& a, const MatchingFaults& b) {
+bool is_better(const MatchingFaults& a, const MatchingFaults& b, bool is_same_surface) {
   if (a.break_promise() != b.break_promise()) return b.break_promise();
-  if (!a.break_promise() && a.across != b.across && std::max(a.across, b.across) < kTellsNothing)
+  if (!is_same_surface && !a.break_promise() && a.across != b.across &&
+      std::max(a.across, b.across) < kTellsNothing)
     return a.across < b.across;
   return a.weight() < b.weight() && a.still_meeting <= b.still_meeting;
 }
@@ -56,6 +57,12 @@ Reconstruction without_stages(Reconstruction& result) {
   return copy;
 }
 
+bool tells_of_wrong_surface(const RepairReport& repair, Index faces) {
+  constexpr double kFew = 1e-4;
+  return repair.faces_after > 0 ||
+         static_cast<double>(repair.persistent_faces()) > kFew * static_cast<double>(faces);
+}
+
 void try_again(Reconstruction& first, Reconstruction& second, SecondAttempt Reconstruction::*which,
                bool is_same_surface, const PointCloud& cloud, Progress& progress,
                const std::function<void()>& make) {
@@ -73,7 +80,7 @@ void try_again(Reconstruction& first, Reconstruction& second, SecondAttempt Reco
     attempt.second = faults_of(second);
     attempt.first.across = area_across_planes(first.mesh, cloud, normals, progress);
     attempt.second.across = area_across_planes(second.mesh, cloud, normals, progress);
-    if (is_better(attempt.second, attempt.first)) {
+    if (is_better(attempt.second, attempt.first, is_same_surface)) {
       PromiseOptions promise;  // that the samples are matched was seen when they were
       promise.may_be_open = true;
       promise.matches_samples = false;

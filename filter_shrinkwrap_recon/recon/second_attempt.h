@@ -10,11 +10,16 @@ namespace shrinkwrap {
 /// A copy without the stages so far, which may hold meshes: what a second attempt begins with.
 Reconstruction without_stages(Reconstruction& result);
 
+/// Whether the repair of a mesh of so many faces tells of a wrong surface: faces still meet others,
+/// or more than one in ten thousand did until they were annealed.
+bool tells_of_wrong_surface(const RepairReport& repair, Index faces);
+
 /// If `first` has faults (SecondAttempt), makes `second` by `make`, of the same samples, and keeps
 /// the better of the two in `first`, with the time that both took; reports it as `which`. There is
 /// a mesh already: that the second cannot be finished is no failure of the run. A cloud most of
 /// whose faces are at fault shows no surface, and is left at that. Of the same surface
-/// (`is_same_surface`) both have the genus, whatever openings then cut off: it is not compared.
+/// (`is_same_surface`) both have the genus, whatever openings then cut off: it is not compared. Nor
+/// are their planes, which tell nothing of the faces that span openings.
 /// `cloud`: the samples; `make` may give them other normals, but both meshes are compared with
 /// those from before. Pre: `second` has a stage only if `first` has one of that name.
 void try_again(Reconstruction& first, Reconstruction& second, SecondAttempt Reconstruction::*which,
