@@ -315,9 +315,10 @@ Parameter least_gap() {
   return advanced(number(
       Kind::real, kLeastGap, "Least gap between diagonals (-1: automatic)", -1.0, -1.0, 1.0,
       "Where the two diagonals of a pair of faces pass each other at a distance of at least this, "
-      "and of at least five times the median of all, or at one of the 5 % largest distances, the "
-      "one is taken that is nearer to the surface as the tangent planes of the four vertices tell "
-      "it. 0: wherever they differ, which is nearer to a smooth surface, with narrower triangles. "
+      "and of at least five times the median of all, or at one of the 5 % largest distances (not "
+      "if the median is 0.08 or more), the one is taken that is clearly nearer to the surface, as "
+      "the planes of the faces around tell it. 0: wherever they differ, which is nearer to a "
+      "smooth surface, with narrower triangles. "
       "Raised: only where a wrong choice would show. 1: nowhere. -1: what the method has "
       "(Robust 0.03, As in the paper 1). Can be applied to a finished mesh. Unit: mean length of "
       "the diagonals; -1, or 0 to 1."));

@@ -71,7 +71,7 @@ TEST(LeastGap, TheLowerTheNearerToTheSurface) {
   }
   EXPECT_LT(distance[0], 0.995 * distance[1]);  // most edges have no other choice
   EXPECT_LT(distance[1], 0.998 * distance[2]);
-  // Flips make up to 240 degrees; those beside them add some.
+  // Flips make up to 260 degrees; those beside them add some.
   EXPECT_LT(angles[0], 280.0 * kPi / 180.0);
 }
 

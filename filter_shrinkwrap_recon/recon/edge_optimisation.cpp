@@ -309,7 +309,7 @@ Crossing crossing_of(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
   return crossing;
 }
 
-// Which gaps are large: see EdgeOptimisationOptions::least_gap and the two after it.
+// Which gaps are large: see EdgeOptimisationOptions::least_gap and those after it.
 struct LargeGaps {
   double least_relative = 0.0, least_absolute = 0.0;  ///< either will do
   bool has(const Crossing& crossing) const {
@@ -369,8 +369,7 @@ class TangentPlaneCriterion {
     const Crossing crossing =
         crossing_of(mesh_.position[a], mesh_.position[b], mesh_.position[c], mesh_.position[d]);
     if (!large_gaps_.has(crossing)) return false;
-    std::uint8_t& flips = flips_[std::min(hinge.diagonal, hinge.opposite_diagonal)];
-    if (flips == kMostFlips) return false;
+    if (flips_[hinge.diagonal] == kMostFlips) return false;
     std::array<Vec3, 4> normal;
     Vec3 outward = Vec3::Zero();
     for (int k = 0; k < 4; ++k) outward += normal[k] = normal_around(hinge, hinge.corner[k]);
@@ -379,8 +378,7 @@ class TangentPlaneCriterion {
     if (!(height * side * crossing.gap > kLeastHeight * crossing.gap * crossing.gap)) return false;
     if (!keeps_shape(hinge, outward)) return false;
     if (!mesh_.is_flip_legal(hinge.diagonal)) return false;
-    mesh_.flip(hinge.diagonal);
-    ++flips;
+    flip(hinge);
     return true;
   }
 
@@ -392,7 +390,23 @@ class TangentPlaneCriterion {
   // Of one edge: each flip changes the normals around, and some hinges would take turns for ever.
   static constexpr std::uint8_t kMostFlips = 2;
 
-  // Unit normal of the faces at a corner, but for those of the hinge.
+  void flip(const Hinge& hinge) {
+    const auto [bc, ca, ad, db] = hinge.side;
+    const std::uint8_t of_ca = flips_[ca], of_ad = flips_[ad], of_db = flips_[db],
+                       of_bc = flips_[bc];
+    mesh_.flip(hinge.diagonal);
+    const auto set = [&](Index h, std::uint8_t flips) {
+      flips_[h] = flips_[mesh_.twin(h)] = flips;
+    };
+    // The sides have moved round by one: see SurfaceMesh::flip.
+    set(hinge.diagonal, static_cast<std::uint8_t>(flips_[hinge.diagonal] + 1));
+    set(bc, of_ca);
+    set(ca, of_ad);
+    set(ad, of_db);
+    set(db, of_bc);
+  }
+
+  // Unit normal of the faces at a corner, but for those of the hinge; zero if there are none.
   Vec3 normal_around(const Hinge& hinge, Index corner) const {
     const Index first = SurfaceMesh::face(hinge.diagonal),
                 second = SurfaceMesh::face(hinge.opposite_diagonal);
@@ -441,7 +455,7 @@ class TangentPlaneCriterion {
 
   SurfaceMesh& mesh_;
   LargeGaps large_gaps_;
-  std::vector<std::uint8_t> flips_;  // of each edge, by its lower half-edge
+  std::vector<std::uint8_t> flips_;  // of edges, per half-edge, the same for twins
 };
 
 // Looks at every edge, and again at those around each flip, until no flip helps.

@@ -40,9 +40,9 @@ struct EdgeOptimisationOptions {
   // What follows: the surface beneath, where it shows.
   /// At last, where the two diagonals of a hinge pass each other at a distance of at least this, x
   /// the geometric mean of their lengths, the one nearer to the surface is taken, as far as the
-  /// tangent planes of the four vertices tell it. 0: wherever the diagonals differ, which comes up
-  /// to a third nearer to a finer surface, and two or three times as far from a mesh of
-  /// well-shaped triangles that has these vertices; 1: nowhere, whatever the others say.
+  /// planes of the faces around the hinge tell that clearly. 0: wherever the diagonals differ,
+  /// which comes up to a third nearer to a finer surface, and two or three times as far from a mesh
+  /// of well-shaped triangles that has these vertices; 1: nowhere, whatever the others say.
   double least_gap = 0.03;
   /// Unless it is 0, the least gap is at least so many times the median of all gaps: where most are
   /// large, noise or coarse sampling makes them so, and planes tell little.
@@ -62,13 +62,13 @@ struct EdgeOptimisationReport {
 
 /// Flips edges while that lowers the criterion and turns no face away from the surface, then, if
 /// there is a crease angle, towards the Delaunay triangulation between creases, where that has
-/// well-shaped faces, then towards the surface that the tangent planes of the vertices suggest,
-/// where the diagonals of a hinge are far enough apart. Vertices do not move. While the criterion
-/// is lowered the surface is known by `guide_normals`, one per vertex; without, by the
-/// area-weighted vertex normals of the mesh as given. Edges of `fixed_faces` stay.
-/// Pre: closed mesh without removed slots, vertices in any order (best along a Morton curve).
-/// Post: same vertices, same topology, closed 2-manifold. O(E) expected, bounded in any case;
-/// parallel, the same for any number of threads.
+/// well-shaped faces, then towards the surface that the planes of the faces around suggest, where
+/// the diagonals of a hinge are far enough apart. Vertices do not move. While the criterion is
+/// lowered the surface is known by `guide_normals`, one per vertex; without, by the area-weighted
+/// vertex normals of the mesh as given. Edges of `fixed_faces` stay. Pre: closed mesh without
+/// removed slots, vertices in any order (best along a Morton curve). Post: same vertices, same
+/// topology, closed 2-manifold. O(E) expected, bounded in any case; parallel, the same for any
+/// number of threads.
 EdgeOptimisationReport optimise_edges(SurfaceMesh& mesh, const EdgeOptimisationOptions& options,
                                       Progress& progress,
                                       const std::vector<Index>& fixed_faces = {},

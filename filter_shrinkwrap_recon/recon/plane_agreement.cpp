@@ -18,34 +18,36 @@ struct Areas {
   }
 };
 
-// The normal of each point of the input that is a sample.
-std::vector<Vec3f> by_input_index(const PointCloud& cloud, const std::vector<Vec3f>& normals) {
-  if (cloud.size() == 0) return {};
-  std::vector<Vec3f> result(
-      *std::max_element(cloud.input_index.begin(), cloud.input_index.end()) + 1, Vec3f::Zero());
-  for (Index i = 0; i < cloud.size(); ++i) result[cloud.input_index[i]] = normals[i];
-  return result;
-}
-
 }  // namespace
 
-double area_across_planes(const ResultMesh& mesh, const PointCloud& cloud,
+std::vector<Vec3f> normals_of_points(const PointCloud& cloud) {
+  Index last = kNone;
+  for (const Index i : cloud.input_index) last = std::max(last, i);
+  for (const NearCopy& pair : cloud.conditioning.near_copies) last = std::max(last, pair.copy);
+  std::vector<Vec3f> normals(static_cast<std::size_t>(last + 1), Vec3f::Zero());
+  for (Index i = 0; i < cloud.size(); ++i) normals[cloud.input_index[i]] = cloud.normal[i];
+  for (const NearCopy& pair : cloud.conditioning.near_copies)
+    normals[pair.copy] = normals[pair.original];
+  return normals;
+}
+
+double area_across_planes(const ResultMesh& mesh, const Frame& frame,
                           const std::vector<Vec3f>& normals, Progress& progress) {
-  const std::vector<Vec3f> normal_of_input = by_input_index(cloud, normals);
   const auto normal_of = [&](Index v) -> Vec3 {
-    const std::size_t input = static_cast<std::size_t>(mesh.input_index[v]);  // kNone: a large one
-    return input < normal_of_input.size() ? Vec3(normal_of_input[input].cast<double>())
-                                          : Vec3(Vec3::Zero());
+    const std::size_t point = static_cast<std::size_t>(mesh.input_index[v]);  // kNone: a large one
+    if (point >= normals.size()) return Vec3::Zero();
+    return normals[point].cast<double>();
   };
   const Areas areas = parallel_sum(
       static_cast<Index>(mesh.triangles.size()), kGrain, progress, Areas{},
       [&](Index begin, Index end) {
         Areas sum;
         for (Index f = begin; f < end; ++f) {
+          if (!mesh.face_quality.empty() && mesh.face_quality[f] > 0.0f) continue;
           const auto [a, b, c] = mesh.triangles[f];
-          const Vec3 origin = cloud.frame.to_unit(mesh.position[a]);
-          const Vec3 area = (cloud.frame.to_unit(mesh.position[b]) - origin)
-                                .cross(cloud.frame.to_unit(mesh.position[c]) - origin);
+          const Vec3 origin = frame.to_unit(mesh.position[a]);
+          const Vec3 area = (frame.to_unit(mesh.position[b]) - origin)
+                                .cross(frame.to_unit(mesh.position[c]) - origin);
           const double size = area.norm();
           sum.all += size;
           if (area.dot(normal_of(a) + normal_of(b) + normal_of(c)) < 3.0 * kAcross * size)

@@ -79,17 +79,17 @@ struct MatchingFaults {
   Index still_meeting = 0;   ///< of these, in the end
   Index extra_vertices = 0;  ///< that are no samples
   Index cut_out = 0;         ///< such as went with cuts (CompleteMatchingReport)
-  double across = 0.0;       ///< share of the area that stands across the samples' planes
+  double across = 0.0;       ///< share of the area (plane_agreement.h), if it was asked for
   /// What breaks the promise counts for five faces that were annealed.
   Index weight() const { return meeting + 4 * still_meeting + 5 * (extra_vertices + cut_out); }
   bool break_promise() const { return still_meeting + extra_vertices > 0; }
 };
 
-/// A mesh that has faults may get a second attempt, unless most of its faces are faulty; that is
-/// taken if it alone keeps the promise. Where both do, one of another surface is if less of its
-/// area stands across the planes of the samples (if a tenth of one does, they tell nothing); else,
-/// if its faults weigh less, with no more faces that still meet others. In any case it has no more
-/// handles.
+/// A mesh that has faults may get a second attempt, unless most of its faces are faulty. If one of
+/// the two alone keeps the promise, that stays. If both do, and were made on different surfaces,
+/// the one with less area across the planes of the samples stays, unless a tenth of either stands
+/// across. Otherwise the second stays if its faults weigh less, with no more faces that still meet
+/// others. One of another surface with more handles never stays.
 struct SecondAttempt {
   bool is_made = false;
   bool is_finished = false;  ///< false: no mesh came of it

@@ -9,7 +9,8 @@ namespace shrinkwrap {
 namespace {
 
 constexpr Index kFacesPerVertex = 6;
-// Where as much of the area stands across the planes of the samples, noise has turned these.
+// Where as much of the area stands across the planes of the samples, noise has turned these, or
+// there is no surface to tell of.
 constexpr double kTellsNothing = 0.1;
 
 MatchingFaults faults_of(const Reconstruction& result) {
@@ -18,10 +19,9 @@ MatchingFaults faults_of(const Reconstruction& result) {
   return {repair.persistent_faces(), repair.faces_after, matching.extra_vertices, matching.cut_out};
 }
 
-bool is_better(const MatchingFaults& a, const MatchingFaults& b, bool is_same_surface) {
+bool is_better(const MatchingFaults& a, const MatchingFaults& b) {
   if (a.break_promise() != b.break_promise()) return b.break_promise();
-  if (!is_same_surface && !a.break_promise() && a.across != b.across &&
-      std::max(a.across, b.across) < kTellsNothing)
+  if (!a.break_promise() && a.across != b.across && std::max(a.across, b.across) < kTellsNothing)
     return a.across < b.across;
   return a.weight() < b.weight() && a.still_meeting <= b.still_meeting;
 }
@@ -73,14 +73,17 @@ void try_again(Reconstruction& first, Reconstruction& second, SecondAttempt Reco
       kFacesPerVertex * (attempt.first.extra_vertices + attempt.first.cut_out);
   if (faulty_faces == 0 || faulty_faces >= first.mesh.triangles.size() / 2) return;
   attempt.is_made = true;
-  const std::vector<Vec3f> normals = cloud.normal;
   second.outliers = first.outliers;  // some may be samples by now
   attempt.is_finished = attempted([&] {
+    std::vector<Vec3f> normals;
+    if (!is_same_surface) normals = normals_of_points(cloud);
     make();
     attempt.second = faults_of(second);
-    attempt.first.across = area_across_planes(first.mesh, cloud, normals, progress);
-    attempt.second.across = area_across_planes(second.mesh, cloud, normals, progress);
-    if (is_better(attempt.second, attempt.first, is_same_surface)) {
+    if (!is_same_surface) {
+      attempt.first.across = area_across_planes(first.mesh, cloud.frame, normals, progress);
+      attempt.second.across = area_across_planes(second.mesh, cloud.frame, normals, progress);
+    }
+    if (is_better(attempt.second, attempt.first)) {
       PromiseOptions promise;  // that the samples are matched was seen when they were
       promise.may_be_open = true;
       promise.matches_samples = false;

@@ -18,10 +18,10 @@ bool tells_of_wrong_surface(const RepairReport& repair, Index faces);
 /// the better of the two in `first`, with the time that both took; reports it as `which`. There is
 /// a mesh already: that the second cannot be finished is no failure of the run. A cloud most of
 /// whose faces are at fault shows no surface, and is left at that. Of the same surface
-/// (`is_same_surface`) both have the genus, whatever openings then cut off: it is not compared. Nor
-/// are their planes, which tell nothing of the faces that span openings.
-/// `cloud`: the samples; `make` may give them other normals, but both meshes are compared with
-/// those from before. Pre: `second` has a stage only if `first` has one of that name.
+/// (`is_same_surface`) both have the genus, whatever openings then cut off: it is not compared, nor
+/// how the meshes stand to the planes of the samples: they differ in what spans openings. `cloud`:
+/// the samples; `make` may change their order and normals: both meshes are compared with the
+/// normals from before. Pre: `second` has a stage only if `first` has one of that name.
 void try_again(Reconstruction& first, Reconstruction& second, SecondAttempt Reconstruction::*which,
                bool is_same_surface, const PointCloud& cloud, Progress& progress,
                const std::function<void()>& make);
