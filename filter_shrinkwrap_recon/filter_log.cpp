@@ -215,21 +215,21 @@ void tell_of_attempts(const Reconstruction& result, FilterOutcome& outcome) {
     const auto no_samples = [](const MatchingFaults& faults) {
       return faults.extra_vertices + faults.cut_out;
     };
+    const std::string across =
+        first.across > 0.0 || second.across > 0.0
+            ? ", " + formatted("%.2f", 100.0 * second.across) +
+                  " % of the area across the planes of the samples in place of " +
+                  formatted("%.2f", 100.0 * first.across) + " %"
+            : "";
     outcome.log.push_back(
         "Matched again because of " + count_of(first.meeting, "face") +
         " that met others until annealed, or still do, and " +
         count_of(no_samples(first), "vertex that is no sample", "vertices that are no samples") +
         " (some may have gone, with cuts), " + what + ": " +
-        (attempt.is_finished ? std::to_string(second.meeting) + " and " +
-                                   std::to_string(no_samples(second)) + " then" +
-                                   (first.across > 0.0 || second.across > 0.0
-                                        ? ", " + formatted("%.2f", 100.0 * second.across) +
-                                              " % of the area across the planes of the samples in "
-                                              "place of " +
-                                              formatted("%.2f", 100.0 * first.across) + " %"
-                                        : "") +
-                                   ", and " + (attempt.is_taken ? "taken" : "not taken")
-                             : "no mesh came of it"));
+        (attempt.is_finished
+             ? std::to_string(second.meeting) + " and " + std::to_string(no_samples(second)) +
+                   " then" + across + ", and " + (attempt.is_taken ? "taken" : "not taken")
+             : "no mesh came of it"));
   };
   tell(result.backs, "with the backs of sheets, where no sample is, as openings");
   tell(result.smoothing, "with a surface smoothed for the noise, of quadrics in place of planes");
