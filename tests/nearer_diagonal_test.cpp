@@ -108,6 +108,7 @@ SurfaceMesh rough_torus(double noise) {
   for (Vec3& p : mesh.position) p += noise * random.in_cube();
   return mesh;
 }
+
 // Each flip changes the planes of the hinges around: some would take turns for ever.
 TEST(NearerDiagonal, ComesToAnEnd) {
   SurfaceMesh mesh = rough_torus(0.01);

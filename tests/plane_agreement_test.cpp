@@ -35,7 +35,7 @@ class PlaneAgreement : public ::testing::Test {
   PointCloud cloud_;
 };
 
-TEST_F(PlaneAgreement, IsFullOnASphere) {
+TEST_F(PlaneAgreement, IsNoneOfASphere) {
   EXPECT_EQ(area_across(), 0.0);
 }
 

@@ -372,7 +372,10 @@ class TangentPlaneCriterion {
     if (flips_[hinge.diagonal] == kMostFlips) return false;
     std::array<Vec3, 4> normal;
     Vec3 outward = Vec3::Zero();
-    for (int k = 0; k < 4; ++k) outward += normal[k] = normal_around(hinge, hinge.corner[k]);
+    for (int k = 0; k < 4; ++k) {
+      normal[k] = normal_around(hinge, hinge.corner[k]);
+      outward += normal[k];
+    }
     const double side = crossing.across.dot(outward) < 0.0 ? -1.0 : 1.0;
     const double height = height_of_surface(hinge, normal, crossing, side * crossing.across);
     if (!(height * side * crossing.gap > kLeastHeight * crossing.gap * crossing.gap)) return false;
