@@ -17,12 +17,16 @@ namespace {
 constexpr unsigned kSeeds = 20;  // of one scene: single ones tell little
 
 // The initial mesh of one voxel size.
-InitialMesh initial_mesh_of(const std::vector<Vec3>& points, bool is_cut = true) {
+InitialMesh initial_mesh_of(const PointCloud& cloud, bool is_cut = true) {
   InitialMeshOptions options;
   options.second_voxel_ratio = options.voxel_ratio_for_detail = 0.0;
   options.false_handles.enabled = is_cut;
   Progress silent;
-  return make_initial_mesh(oriented_cloud(points), options, silent);
+  return make_initial_mesh(cloud, options, silent);
+}
+
+InitialMesh initial_mesh_of(const std::vector<Vec3>& points, bool is_cut = true) {
+  return initial_mesh_of(oriented_cloud(points), is_cut);
 }
 
 TEST(FalseHandles, AreCutFromThinWalls) {
@@ -30,9 +34,10 @@ TEST(FalseHandles, AreCutFromThinWalls) {
   for (const Index count : {700, 1000}) {
     Index before = 0, left = 0;
     for (unsigned seed = 1; seed <= kSeeds; ++seed) {
-      const auto points = sample_shape(ShapeKind::thin_plate, count, seed);
-      const Index handles = initial_mesh_of(points, false).report.genus;
-      const InitialMesh result = initial_mesh_of(points);
+      const PointCloud cloud =
+          cloud_with_askew_normals(sample_shape(ShapeKind::thin_plate, count, seed), 2);
+      const Index handles = initial_mesh_of(cloud, false).report.genus;
+      const InitialMesh result = initial_mesh_of(cloud);
       EXPECT_EQ(result.report.false_handles, handles - result.report.genus);
       EXPECT_TRUE(result.mesh.is_consistent());
       expect_closed_manifold(result.mesh, result.report.components + result.report.cavities,
@@ -109,11 +114,12 @@ TEST(FalseHandles, MouthsOfCavitiesAreClosed) {
   Index joined = 0, parted = 0;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     Random random(seed);
-    const auto points = sample_implicit(hollow, {}, 1000, random).points;
-    const InitialMeshReport without = initial_mesh_of(points, false).report;
+    const PointCloud cloud =
+        cloud_with_askew_normals(sample_implicit(hollow, {}, 1000, random).points, 1);
+    const InitialMeshReport without = initial_mesh_of(cloud, false).report;
     if (without.genus > 0 || without.cavities > 0) continue;
     ++joined;
-    const InitialMesh with = initial_mesh_of(points);
+    const InitialMesh with = initial_mesh_of(cloud);
     EXPECT_TRUE(with.mesh.is_consistent());
     expect_closed_manifold(with.mesh, 1 + with.report.false_mouths, 0);
     EXPECT_EQ(with.report.components, 1);
@@ -121,7 +127,7 @@ TEST(FalseHandles, MouthsOfCavitiesAreClosed) {
     parted += with.report.false_mouths;
   }
   EXPECT_GE(joined, 5) << "there is little to cut: this test tests little";
-  EXPECT_GE(4 * parted, 3 * joined);
+  EXPECT_GE(10 * parted, 7 * joined);
 }
 
 // Two balls with a rod of two spacings between them, a hollow ball with a channel of three, and one

@@ -23,18 +23,19 @@ TEST(FilterLog, WhatSuitsAnOpenSheetIsTold) {
 }
 
 TEST(FilterLog, ASurfaceThatLosesManySamplesIsWarnedOf) {
-  // A hollow ball whose wall measures 1.2 spacings.
-  FilterInput shell, torus;
-  std::vector<Vec3> points = sample_shape(ShapeKind::sphere, 500, 3);
-  for (const Vec3& p : sample_shape(ShapeKind::sphere, 500, 4)) points.push_back(0.81 * p);
-  shell.points = in_single_precision(points);
+  // Balls in one another, 0.6 spacings apart.
+  FilterInput shells, torus;
+  std::vector<Vec3> points;
+  for (const double radius : {1.0, 0.9, 0.8, 0.7})
+    for (const Vec3& p : sample_shape(ShapeKind::sphere, 500, 3)) points.push_back(radius * p);
+  shells.points = in_single_precision(points);
   torus.points = in_single_precision(sample_shape(ShapeKind::torus, 1000, 3));
   const auto is_warned_of = [](const FilterInput& input, const ParameterValues& values) {
     return is_in(run(Filter::reconstruct, input, values).warnings,
                  "farther from the parametric surface than their spacing");
   };
-  EXPECT_TRUE(is_warned_of(shell, {}));
-  EXPECT_TRUE(is_warned_of(shell, {{"StopAtParametricSurface", 1}}));
+  EXPECT_TRUE(is_warned_of(shells, {}));
+  EXPECT_TRUE(is_warned_of(shells, {{"StopAtParametricSurface", 1}}));
   EXPECT_FALSE(is_warned_of(torus, {}));
 
   Reconstruction result;

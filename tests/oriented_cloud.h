@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "neighbourhoods.h"
 #include "orientation.h"
 #include "point_cloud.h"
 
@@ -12,6 +13,18 @@ namespace shrinkwrap::testing {
 inline PointCloud oriented_cloud(const std::vector<Vec3>& points) {
   Progress silent;
   PointCloud cloud = prepare_samples(points, {}, silent);
+  orient_normals(cloud, {}, silent);
+  return cloud;
+}
+
+/// The same, but every `stride`-th normal is that of one plane, be the neighbours of both sides of
+/// a wall or not (parallel_sheets.h): walls as thin as that have bridges and tunnels then.
+inline PointCloud cloud_with_askew_normals(const std::vector<Vec3>& points, int stride) {
+  Progress silent;
+  PointCloud cloud = prepare_samples(points, {}, silent);
+  const Neighbourhoods around =
+      find_neighbourhoods(cloud.position, cloud.search, cloud.neighbour_count, silent);
+  for (Index i = 0; i < cloud.size(); i += stride) cloud.normal[i] = around.normal[i];
   orient_normals(cloud, {}, silent);
   return cloud;
 }

@@ -57,18 +57,28 @@ Vec3 up(const Vec3&) {
 }
 
 TEST(ParallelSheets, WallsAsThickAsNeighbourhoodsAreWide) {
-  for (const auto& [distance, part_left] : {std::pair(1.2, 0.4), {1.5, 0.55}, {1.8, 0.7}}) {
+  for (const auto& [distance, most] : {std::pair(1.2, 0.02), {1.5, 0.01}, {1.8, 0.005}}) {
     SCOPED_TRACE(distance);
     const Normals normals = normals_of(two_sheets(distance, 0.0, 1), up);
     EXPECT_GT(normals.askew_before, 0.4);
-    EXPECT_LT(normals.askew, part_left * normals.askew_before);
-    EXPECT_GT(normals.replaced, 0.15);
+    EXPECT_LT(normals.askew, most);
+    EXPECT_GT(normals.replaced, 0.7);
   }
 }
 
 TEST(ParallelSheets, WithSomeNoise) {
   const Normals normals = normals_of(two_sheets(1.5, 0.08, 2), up);
-  EXPECT_LT(normals.askew, 0.5 * normals.askew_before);
+  EXPECT_GT(normals.askew_before, 0.5);
+  EXPECT_LT(normals.askew, 0.09);
+}
+
+// The fourth sheet of a stack, or a few samples of it, may be among the neighbours.
+TEST(ParallelSheets, InStacks) {
+  std::vector<Vec3> points = two_sheets(1.6, 0.0, 7);
+  for (const Vec3& p : two_sheets(1.6, 0.0, 8)) points.push_back(p + Vec3(0.0, 0.0, 3.2));
+  const Normals normals = normals_of(points, up);
+  EXPECT_GT(normals.askew_before, 0.4);
+  EXPECT_LT(normals.askew, 0.05);
 }
 
 TEST(ParallelSheets, NoiseIsNone) {
@@ -76,33 +86,37 @@ TEST(ParallelSheets, NoiseIsNone) {
   for (const double noise : {0.1, 0.5, 1.0, 2.0}) {
     defects.noise = noise;
     const std::vector<Vec3> points = sample_shape(ShapeKind::sphere, 20000, 3, defects);
-    EXPECT_LT(normals_of(points, up).replaced, 1e-3) << noise;
+    EXPECT_LT(normals_of(points, up).replaced, 2.5e-3) << noise;
   }
 }
 
+// But for some samples near edges, whose neighbours on the other face have a gap between.
 TEST(ParallelSheets, BendsAndEdgesAreNone) {
   for (const ShapeKind kind : {ShapeKind::box, ShapeKind::double_torus, ShapeKind::blob}) {
     const Shape shape = shape_of(kind);
     const Normals normals =
         normals_of(sample_shape(kind, 4000, 4), [&](const Vec3& p) { return shape.normal(p); });
-    EXPECT_LT(normals.replaced, 2e-3) << shape.name;
+    EXPECT_LT(normals.replaced, kind == ShapeKind::box ? 0.015 : 2e-3) << shape.name;
     EXPECT_LT(normals.askew, normals.askew_before + 1e-3) << shape.name;
   }
 }
 
-// Twelve points of a plane and four beside it.
-Index sheets_with(const std::vector<Vec3>& four) {
-  std::vector<Vec3> points = four;
+// Twelve points of a plane, of which the first is looked at, and others beside it.
+Index sheets_with(const std::vector<Vec3>& others) {
+  std::vector<Vec3> points;
   for (int x = 0; x < 4; ++x)
     for (int y = 0; y < 3; ++y) points.emplace_back(x, y + 0.2 * (x % 2), 0.0);
+  std::swap(points[0], points[5]);
+  points.insert(points.end(), others.begin(), others.end());
+  const auto count = static_cast<Index>(points.size());
   Neighbourhoods around;
-  around.k = 16;
-  around.radius.assign(16, 3.0f);
-  around.normal.assign(16, Vec3f::UnitX());
-  around.deviation.assign(16, 0.0f);
-  around.deviation[0] = 1.0f;  // the only one that is looked at
-  for (int point = 0; point < 16; ++point)
-    for (Index k = 0; k < 16; ++k) around.neighbour.push_back(k);
+  around.k = count;
+  around.radius.assign(points.size(), 2.5f);
+  around.normal.assign(points.size(), Vec3f::UnitX());
+  around.deviation.assign(points.size(), 0.0f);
+  around.deviation[0] = 0.9f;
+  for (Index point = 0; point < count; ++point)
+    for (Index k = 0; k < count; ++k) around.neighbour.push_back(k);
   Progress silent;
   const Index replaced = fit_parallel_sheets(points, around, ParallelSheetsOptions(), silent);
   if (replaced > 0) {
@@ -111,10 +125,15 @@ Index sheets_with(const std::vector<Vec3>& four) {
   return replaced;
 }
 
-TEST(ParallelSheets, HaveWidth) {
+TEST(ParallelSheets, AreFlatAndApartAndAboveEachOther) {
   EXPECT_EQ(sheets_with({{0, 0, 1.5}, {2, 0, 1.5}, {2, 2, 1.5}, {0, 2, 1.5}}), 1);
-  EXPECT_EQ(sheets_with({{0, 0, 1.5}, {1, 0.1, 1.5}, {2, 0, 1.5}, {3, 0.1, 1.5}}), 0);
-  EXPECT_EQ(sheets_with({{0, 0, 1.5}, {2, 0, 1.5}, {2, 2, 1.5}, {0, 2, 0.0}}), 0) << "three";
+  EXPECT_EQ(sheets_with({{0, 0, 1.5}, {2, 1, 1.5}, {2, 2, -1.5}, {0, 2, -1.5}}), 1)
+      << "one between";
+  EXPECT_EQ(sheets_with({{0, 0, 0.7}, {2, 0, 0.7}, {2, 2, 0.7}, {0, 2, 0.7}}), 0) << "too near";
+  EXPECT_EQ(sheets_with({{0, 0, 1.2}, {2, 0, 1.8}, {2, 2, 2.6}, {0, 2, 3.2}}), 0) << "not flat";
+  EXPECT_EQ(sheets_with({{4, 0, 1.5}, {4, 1, 1.5}, {4, 2, 1.5}, {4, 3, 1.5}}), 0)
+      << "beyond an edge";
+  EXPECT_EQ(sheets_with({{0, 0, 0}, {2, 0.5, 0}, {2, 1.6, 0}, {1, 1, 1.5}}), 0) << "one point";
 }
 
 // Two lines lie on a plane, and on any two parallel ones.

@@ -233,7 +233,7 @@ TEST(Reconstruction, OfNoisyCloudsHasNoVoxelsForDetail) {
     SampleDefects defects;
     defects.noise = noise;
     const Reconstruction result =
-        reconstruct(sample_shape(ShapeKind::thin_plate, 4000, 3, defects), options, silent);
+        reconstruct(sample_shape(ShapeKind::thin_plate, 4000, 4, defects), options, silent);
     EXPECT_FALSE(result.smoothing.is_taken);
     EXPECT_GT(result.initial_mesh.sharp, InitialMeshOptions().least_sharp);
     return result.initial_mesh;

@@ -1,7 +1,11 @@
 #include "parallel_sheets.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <numeric>
 
 #include "parallel.h"
 
@@ -10,107 +14,176 @@ namespace {
 
 constexpr Index kGrain = 1 << 10;
 constexpr int kMostNeighbours = 64;
-constexpr int kMostRounds = 6;
-// Of the variance about one plane. Noise that is halved keeps 0.36 of it: there are no two planes.
-constexpr double kHopeless = 0.3;
+constexpr int kNearest = 8;             // neighbours through which planes are tried
+constexpr float kLeastSine = 0.3f;      // of the angle in which two of them are seen
+constexpr int kRefinements = 2;         // of the plane with the most support
+constexpr float kDistanceDecay = 1.5f;  // of the weights: exp(-1.5 r^2), r in [0, 1]
+constexpr double kOfThree = 0.3;        // variance that three sheets may have, x that of two
+constexpr double kLeastOwn = 4.0 / 16.0, kLeastBeside = 2.0 / 16.0;  // parts of the neighbours
 
-// Of the search, along the principal axes of the neighbourhood and between any two.
-const std::array<Vec3, 9> kStarts = {Vec3(1, 0, 0),  Vec3(0, 1, 0),  Vec3(0, 0, 1),
-                                     Vec3(1, 1, 0),  Vec3(1, -1, 0), Vec3(1, 0, 1),
-                                     Vec3(1, 0, -1), Vec3(0, 1, 1),  Vec3(0, 1, -1)};
+double spacing_of(int neighbours) {
+  return std::sqrt(3.14159265358979 / neighbours);
+}
 
-using Matrix = Eigen::Matrix3d;
-using Principal = Eigen::SelfAdjointEigenSolver<Matrix>;
-using Offsets = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, kMostNeighbours, 3>;
-using Side = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostNeighbours, 1>;  // 1 for its members
-
-// The neighbours of one point, about their mean; lengths in the radius of the neighbourhood.
+// The neighbours of one point, about it; lengths in the radius of the neighbourhood.
 class Neighbourhood {
  public:
-  Neighbourhood(const std::vector<Vec3>& points, const Neighbourhoods& all, std::size_t point)
-      : offset_(std::min(all.k, kMostNeighbours), 3) {
+  Neighbourhood(const std::vector<Vec3>& points, const Neighbourhoods& all, std::size_t point,
+                const ParallelSheetsOptions& options)
+      : options_(options), offset_(3, std::min(all.k, kMostNeighbours)) {
     const Index* list = all.neighbour.data() + point * static_cast<std::size_t>(all.k);
-    for (Eigen::Index k = 0; k < offset_.rows(); ++k)
-      offset_.row(k) = (points[list[k]] - points[point]) / all.radius[point];
-    offset_.rowwise() -= offset_.colwise().mean().eval();
-    squares_ = offset_.transpose() * offset_;
-    principal_.computeDirect(squares_);
+    const double scale = 1.0 / all.radius[point];
+    for (Eigen::Index k = 0; k < offset_.cols(); ++k)
+      offset_.col(k) = (scale * (points[list[k]] - points[point])).cast<float>();
+    nearness_ = (-kDistanceDecay * offset_.square().colwise().sum()).exp();
+    spacing_ = spacing_of(static_cast<int>(offset_.cols()));
+    per_thickness_ = static_cast<float>(1.0 / (options.thickness * spacing_));
   }
 
-  // The common normal of two planes that fit far better than one; else zero.
-  Vec3 normal_of_sheets(const ParallelSheetsOptions& options) const {
-    Vec3 best = Vec3::Zero();
-    const double of_one = principal_.eigenvalues()[0];
-    double least = options.most_variance * of_one;
-    for (const Vec3& start : kStarts) {
-      Side above = side_above(principal_.eigenvectors() * start);
-      for (int round = 0; round < kMostRounds; ++round) {
-        const double members = above.sum();
-        if (std::min(members, offset_.rows() - members) < options.least_points) break;
-        const Matrix squares = about_own_means(above);
-        // Of three eigenvalues the least is at least 4 x product / sum^2.
-        const double sum = squares.trace();
-        if (4.0 * squares.determinant() > kHopeless * of_one * sum * sum) break;
-        Principal within;
-        within.computeDirect(squares);
-        const double of_two = within.eigenvalues()[0];
-        if (of_two > kHopeless * of_one) break;
-        const Vec3 normal = within.eigenvectors().col(0);
-        if (of_two < least && have_width(above, options.least_width)) {
-          least = of_two;
-          best = normal;
-        }
-        const Side next = side_above(normal);
-        if (next == above) break;
-        above = next;
-      }
-    }
-    return best;
+  // The normal of the sheet that the point is of if there are others, else zero. `deviation` is
+  // that of all from one plane.
+  Vec3f normal_of_sheet(double deviation) const {
+    Vec3f normal = normal_of_most_support();
+    if (normal.isZero()) return normal;
+    for (int k = 0; k < kRefinements; ++k) normal = refined(normal);
+    return has_sheets_beside(normal, deviation) ? normal : Vec3f(Vec3f::Zero());
   }
 
  private:
-  Side side_above(const Vec3& normal) const {
-    return ((offset_ * normal).array() > 0.0).cast<double>();
+  using Offsets = Eigen::Array<float, 3, Eigen::Dynamic, 0, 3, kMostNeighbours>;
+  using Row = Eigen::Array<float, 1, Eigen::Dynamic, Eigen::RowMajor, 1, kMostNeighbours>;
+
+  Row heights_over(const Vec3f& normal) const {
+    return normal[0] * offset_.row(0) + normal[1] * offset_.row(1) + normal[2] * offset_.row(2);
   }
-  // Sum over both sides of the squares about the mean of the side. Offsets about the mean of all
-  // sum to nothing.
-  Matrix about_own_means(const Side& above) const {
-    const Vec3 sum = offset_.transpose() * above;
-    const double members = above.sum();
-    return squares_ - sum * sum.transpose() * (1.0 / members + 1.0 / (offset_.rows() - members));
+  // Of a plane through the point, by each neighbour: about exp(-h^2), h the height in thicknesses.
+  Row support_of(const Vec3f& normal) const {
+    const Row falling = (1.0f - (0.5f * per_thickness_ * heights_over(normal)).square()).max(0.0f);
+    return nearness_ * falling.square().square();
   }
-  // Whether neither side lies on a line.
-  bool have_width(const Side& above, double least_width) const {
-    const Side below = 1.0 - above.array();
-    for (const Side& side : {above, below}) {
-      const Vec3 sum = offset_.transpose() * side;
-      const Matrix squares = offset_.transpose() * side.asDiagonal() * offset_;
-      Principal own;
-      own.computeDirect(squares - sum * sum.transpose() / side.sum(), Eigen::EigenvaluesOnly);
-      if (!(own.eigenvalues()[1] > least_width * own.eigenvalues()[2])) return false;
-    }
-    return true;
+  Vec3f normal_of_most_support() const {
+    const Eigen::Index nearest = std::min<Eigen::Index>(kNearest, offset_.cols() - 1);
+    Vec3f best = Vec3f::Zero();
+    float most = 0.0f;
+    for (Eigen::Index a = 1; a <= nearest; ++a)
+      for (Eigen::Index b = a + 1; b <= nearest; ++b) {
+        const Vec3f p = offset_.col(a), q = offset_.col(b), cross = p.cross(q);
+        const float length = cross.norm();
+        if (!(length > kLeastSine * p.norm() * q.norm())) continue;
+        const Vec3f normal = cross / length;
+        const float support = support_of(normal).sum();
+        if (!(support > most)) continue;
+        most = support;
+        best = normal;
+      }
+    return best;
+  }
+  Vec3f refined(const Vec3f& normal) const {
+    const Row weight = support_of(normal);
+    const float sum = weight.sum();  // the point itself has weight 1
+    const Offsets weighted = offset_.rowwise() * weight;
+    const Vec3f mean = weighted.rowwise().sum() / sum;
+    const Eigen::Matrix3f squares =
+        weighted.matrix() * offset_.matrix().transpose() - sum * mean * mean.transpose();
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal;
+    principal.computeDirect(squares.cast<double>());
+    return principal.eigenvectors().col(0).cast<float>();
   }
 
+  bool has_sheets_beside(const Vec3f& normal, double deviation) const;
+
+  const ParallelSheetsOptions& options_;
   Offsets offset_;
-  Matrix squares_;
-  Principal principal_;
+  Row nearness_;  // weights of the distances
+  double spacing_;
+  float per_thickness_;
 };
+
+// Neighbours ordered by their height over a plane, any range of which may be a sheet.
+template <class Offsets, class Row>
+class Heights {
+ public:
+  Heights(const Offsets& offset, const Row& height)
+      : offset_(offset), height_(height), count_(static_cast<int>(height.cols())) {
+    std::iota(order_.begin(), order_.begin() + count_, 0);
+    std::sort(order_.begin(), order_.begin() + count_, [&](int a, int b) {
+      return height_[a] != height_[b] ? height_[a] < height_[b] : a < b;
+    });
+  }
+  int count() const { return count_; }
+  double at(int place) const { return height_[order_[place]]; }
+  int place_of_point() const {
+    return static_cast<int>(std::find(order_.begin(), order_.begin() + count_, 0) - order_.begin());
+  }
+  // Sum of the squares of the heights about their mean.
+  double squares(int begin, int end) const {
+    double sum = 0.0, squares = 0.0;
+    for (int place = begin; place < end; ++place) {
+      sum += at(place);
+      squares += at(place) * at(place);
+    }
+    return end > begin ? squares - sum * sum / (end - begin) : 0.0;
+  }
+  Vec3f mean(int begin, int end) const {
+    Vec3f sum = Vec3f::Zero();
+    for (int place = begin; place < end; ++place) sum += offset_.col(order_[place]).matrix();
+    return sum / static_cast<float>(end - begin);
+  }
+
+ private:
+  const Offsets& offset_;
+  const Row& height_;
+  int count_;
+  std::array<int, kMostNeighbours> order_;
+};
+
+bool Neighbourhood::has_sheets_beside(const Vec3f& normal, double deviation) const {
+  const Row height = heights_over(normal);
+  const Heights<Offsets, Row> heights(offset_, height);
+  const int count = heights.count(), point = heights.place_of_point();
+  const int least_own = std::max(1, static_cast<int>(kLeastOwn * count));
+  const int least_beside = std::max(1, static_cast<int>(kLeastBeside * count));
+  const double gap = options_.least_gap * spacing_;
+  const double most = std::min(options_.most_variance * heights.squares(0, count),
+                               options_.most_of_plane * deviation * deviation * count);
+  const auto is_gap = [&](int place) { return heights.at(place) - heights.at(place - 1) >= gap; };
+  const auto is_over = [&](const Vec3f& way) {
+    return std::abs(way.dot(normal)) >= options_.least_cosine * way.norm();
+  };
+  for (int begin = 0; begin <= point; ++begin) {
+    if (begin > 0 && !is_gap(begin)) continue;
+    for (int end = std::max(point + 1, begin + least_own); end <= count; ++end) {
+      if (end < count && !is_gap(end)) continue;
+      const bool has_below = begin > 0, has_above = end < count, has_both = has_below && has_above;
+      if (!has_both && count - (end - begin) < least_beside) continue;
+      const double within =
+          heights.squares(0, begin) + heights.squares(begin, end) + heights.squares(end, count);
+      if (within > (has_both ? kOfThree * most : most)) continue;
+      const Vec3f own = heights.mean(begin, end);
+      if ((!has_below || is_over(heights.mean(0, begin) - own)) &&
+          (!has_above || is_over(heights.mean(end, count) - own)))
+        return true;
+    }
+  }
+  return false;
+}
 
 }  // namespace
 
 Index fit_parallel_sheets(const std::vector<Vec3>& points, Neighbourhoods& neighbourhoods,
                           const ParallelSheetsOptions& options, Progress& progress) {
   const auto count = static_cast<Index>(points.size());
+  const double least = options.least_deviation * spacing_of(std::max(neighbourhoods.k, 1));
   return parallel_sum(count, kGrain, progress, Index{0}, [&](Index begin, Index end) {
     Index replaced = 0;
     for (Index i = begin; i < end; ++i) {
-      const double radius = neighbourhoods.radius[i];
-      if (!(neighbourhoods.deviation[i] > options.least_deviation * radius)) continue;
-      const Vec3 normal = Neighbourhood(points, neighbourhoods, static_cast<std::size_t>(i))
-                              .normal_of_sheets(options);
+      const double deviation = neighbourhoods.deviation[i] / neighbourhoods.radius[i];
+      if (!(deviation > least)) continue;
+      const Vec3f normal =
+          Neighbourhood(points, neighbourhoods, static_cast<std::size_t>(i), options)
+              .normal_of_sheet(deviation);
       if (normal.isZero()) continue;
-      neighbourhoods.normal[i] = normal.cast<float>();
+      neighbourhoods.normal[i] = normal;
       ++replaced;
     }
     return replaced;

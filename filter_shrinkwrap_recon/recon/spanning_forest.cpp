@@ -141,16 +141,17 @@ class SignedForest {
   SignedForest(const NeighbourGraph& graph, const SampleVotes& votes, const SignOptions& options)
       : graph_(graph),
         options_(options),
+        contact_agreement_(static_cast<float>(options.contact_agreement) * (1.0f - graph.noise())),
         set_count_(graph.sample_count()),
         sets_(graph.sample_count()),
         tally_(static_cast<std::size_t>(graph.sample_count())) {
     for (std::size_t k = 0; k < votes.drawn.size(); ++k)
       tally_[votes.drawn[k]] = {static_cast<float>(votes.votes[k].outward),
-                                static_cast<float>(votes.votes[k].possible), 1};
+                                static_cast<float>(votes.votes[k].possible), 1, 1};
   }
 
-  // Joins what the edges connect. Edges to which the views object are not followed if there is a
-  // place to put them.
+  // Joins what the edges connect, unless they are mere contacts. Edges to which the views object
+  // are not followed if there is a place to put them.
   void join(const Edge* begin, const Edge* end, std::vector<Edge>* objected, Progress& progress) {
     for (const Edge* edge = begin; edge != end && set_count_ > 1; ++edge) {
       if ((edge - begin) % kUnionsPerUpdate == 0)
@@ -177,15 +178,17 @@ class SignedForest {
  private:
   struct Tally {
     float outward = 0.0f, possible = 0.0f;
-    Index drawn = 0;
+    Index drawn = 0, samples = 1;
   };
 
   void join(const Edge& edge, std::vector<Edge>* objected) {
     const std::uint32_t a = sets_.find(edge.a), b = sets_.find(edge.b);
     if (a >> 1 == b >> 1) return;
-    const bool opposed = graph_.agreement(edge.a, edge.b) < 0.0f;
+    const float agreement = graph_.agreement(edge.a, edge.b);
+    const bool opposed = agreement < 0.0f;
     const bool are_roots_opposed = opposed != ((a & 1) != (b & 1));
     const Tally tally_a = tally_[a >> 1], tally_b = tally_[b >> 1];
+    if (std::abs(agreement) < contact_agreement_ && is_large(tally_a) && is_large(tally_b)) return;
     const bool do_views_agree = (tally_a.outward * tally_b.outward < 0.0f) == are_roots_opposed;
     if (objected && !do_views_agree && is_clear(tally_a) && is_clear(tally_b)) {
       objected->push_back(edge);
@@ -195,10 +198,11 @@ class SignedForest {
     const Tally& other = a < b ? tally_b : tally_a;
     tally_[std::min(a, b) >> 1] = {
         root.outward + (are_roots_opposed ? -other.outward : other.outward),
-        root.possible + other.possible, root.drawn + other.drawn};
+        root.possible + other.possible, root.drawn + other.drawn, root.samples + other.samples};
     sets_.join(a, b, opposed);
     --set_count_;
   }
+  bool is_large(const Tally& tally) const { return tally.samples >= options_.contact_samples; }
   bool is_clear(const Tally& tally) const {
     return tally.drawn >= options_.least_samples &&
            std::abs(tally.outward) > options_.least_majority * tally.possible;
@@ -206,6 +210,7 @@ class SignedForest {
 
   const NeighbourGraph& graph_;
   const SignOptions& options_;
+  const float contact_agreement_;
   Index set_count_;
   SignedSets sets_;
   std::vector<Tally> tally_;  // by root

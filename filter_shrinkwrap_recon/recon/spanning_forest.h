@@ -11,10 +11,13 @@ struct SignOptions {
   double least_majority = 0.15;    ///< ... unless both parts are seen as clearly, of the votes
                                    ///< there could have been, and it must be one from behind
   Index least_samples = 10;        ///< drawn of such a part
+  double contact_agreement = 0.9;  ///< edges that agree less, for the noise, join no two sets ...
+  Index contact_samples = 64;      ///< ... that both have as many samples
   double vote_weight = 0.1;        ///< see agreed_signs
 };
 
-/// The maximum spanning forest of the neighbour graph, as far as signs are concerned.
+/// The maximum spanning forest of the neighbour graph, as far as signs are concerned. Its
+/// components need not be those of the graph: where two of them only touch, signs come of views.
 struct SpanningForest {
   std::vector<Index> component_of_sample;  ///< numbered in order of lowest sample
   std::vector<char> flipped;  ///< whether the normal opposes that of its component's first sample
@@ -31,7 +34,9 @@ struct SpanningForest {
 /// So the edges that nobody doubts, neither by their normals nor by what is seen of either side,
 /// join samples into patches; where there are more of them than of components, their signs are
 /// chosen by all edges between them and by all views (sign_agreement.h). In the forest, sure edges
-/// to which views object come after all sure edges and before the others.
+/// to which views object come after all sure edges and before the others. Where no better edges
+/// join two large sets than those across a thin wall or a slot, askew as most of these are, the
+/// sets remain components of their own.
 SpanningForest span_normals(const NeighbourGraph& graph, const SampleVotes& votes,
                             const SignOptions& options, Progress& progress);
 

@@ -15,6 +15,8 @@ constexpr double kPixelsPerSample = 16.0;  // at most
 constexpr double kSeenOpenly = 0.25;       // part of the views on one side
 // Mean closedness up to which samples are of an open sheet, and from which on they are of a body.
 constexpr double kSheet = 0.3, kBody = 0.6;
+constexpr float kParallel = 0.9f;  // cosine of the normals of parallel sheets
+constexpr float kBend = 0.05f;     // of one sheet within a splat: height x distance
 constexpr float kNothing = -std::numeric_limits<float>::infinity();
 
 // Directions spread evenly over the sphere along a spiral (the golden angle between neighbours).
@@ -33,10 +35,9 @@ class DepthBuffer {
     float depth;
   };
 
-  // Projects and draws the points. `pixels` receives where each fell. With a component for each
-  // point, that of the foremost is kept too.
-  void draw(const std::vector<Vec3f>& points, const std::vector<Index>& component,
-            const Vec3f& direction, float pixel, std::vector<Pixel>& pixels) {
+  // Projects and draws the points. `pixels` receives where each fell.
+  void draw(const std::vector<Vec3f>& points, const Vec3f& direction, float pixel,
+            std::vector<Pixel>& pixels) {
     const Vec3f helper = std::abs(direction.x()) < 0.9f ? Vec3f::UnitX() : Vec3f::UnitY();
     const Vec3f right = helper.cross(direction).normalized();
     const Vec3f up = direction.cross(right);
@@ -53,7 +54,7 @@ class DepthBuffer {
     width_ = static_cast<std::int32_t>((high_x - low_x) * per_length) + 3;
     const std::int32_t height = static_cast<std::int32_t>((high_y - low_y) * per_length) + 3;
     depth_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height), kNothing);
-    if (!component.empty()) component_.resize(depth_.size());
+    foremost_.resize(depth_.size());
     pixels.resize(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vec3f& p = points[i];
@@ -64,22 +65,23 @@ class DepthBuffer {
       for (std::int32_t y = at.y - 1; y <= at.y + 1; ++y) {
         const std::size_t first = static_cast<std::size_t>(y) * width_ + at.x - 1;
         for (std::size_t k = first; k < first + 3; ++k) {
-          if (!component.empty() && at.depth > depth_[k]) component_[k] = component[i];
-          depth_[k] = std::max(depth_[k], at.depth);
+          if (!(at.depth > depth_[k])) continue;
+          depth_[k] = at.depth;
+          foremost_[k] = static_cast<Index>(i);
         }
       }
     }
   }
 
-  float foremost(const Pixel& at) const { return depth_[slot(at)]; }
-  Index foremost_component(const Pixel& at) const { return component_[slot(at)]; }
+  // Of the points.
+  Index foremost(const Pixel& at) const {
+    return foremost_[static_cast<std::size_t>(at.y) * width_ + at.x];
+  }
 
  private:
-  std::size_t slot(const Pixel& at) const { return static_cast<std::size_t>(at.y) * width_ + at.x; }
-
   std::int32_t width_ = 0;
   std::vector<float> depth_;
-  std::vector<Index> component_;
+  std::vector<Index> foremost_;
 };
 
 // The smallest pixel for which no buffer has more than a fixed number of pixels per sample.
@@ -101,6 +103,12 @@ VisibilityVote vote_of(double possible, double in_front, double behind, double f
   const double unlike = 1.0 - less / more;
   return {possible, more + less, (in_front - behind) * unlike * unlike,
           possible * std::max(0.0, 1.0 - 2.0 * less / (kSeenOpenly * possible)), foremost};
+}
+
+// Whether a sample, such a `way` before another, is of another sheet, parallel to that of this one.
+bool is_wall(const Vec3f& way, const Vec3f& normal, const Vec3f& foremost, float tolerance) {
+  return std::abs(normal.dot(foremost)) > kParallel &&
+         std::abs(normal.dot(way)) > tolerance + kBend * way.norm();
 }
 
 }  // namespace
@@ -144,22 +152,23 @@ std::vector<VisibilityVote> visibility_votes(const PointCloud& cloud,
     parallel_for_each(count, 1, silent, [&](Index v) {
       View& view = views[v];
       const Vec3f direction = view_direction(first + v, options.directions).cast<float>();
-      view.buffer.draw(points, component, direction, pixel, view.pixels);
+      view.buffer.draw(points, direction, pixel, view.pixels);
       view.cosine.assign(points.size(), 0.0f);
       view.seen.assign(points.size(), 0);
       view.foremost.assign(points.size(), 0);
       for (std::size_t i = 0; i < points.size(); ++i) {
         const float cosine = cloud.normal[drawn[i]].dot(direction);
-        const float steepness = std::abs(cosine);
-        if (steepness < min_cosine) continue;
+        if (std::abs(cosine) < min_cosine) continue;
+        const Index foremost = view.buffer.foremost(view.pixels[i]);
+        const Vec3f way = points[foremost] - points[i];
         // Across the splat, 1.5 pixels to the middle of its diagonal, the surface itself rises.
-        const float slope = std::sqrt(std::max(0.0f, 1.0f - cosine * cosine)) / steepness;
-        const DepthBuffer::Pixel& at = view.pixels[i];
-        const float behind = view.buffer.foremost(at) - at.depth;
+        const float slope = std::sqrt(std::max(0.0f, 1.0f - cosine * cosine)) / std::abs(cosine);
+        const bool is_near = way.dot(direction) < 2.1f * slope * pixel + tolerance;
         view.cosine[i] = cosine;
-        view.seen[i] = behind < 2.1f * slope * pixel + tolerance;
-        view.foremost[i] = view.seen[i] && (component.empty() ||
-                                            view.buffer.foremost_component(at) == component[i]);
+        view.seen[i] = is_near && !is_wall(way, cloud.normal[drawn[i]],
+                                           cloud.normal[drawn[foremost]], tolerance);
+        view.foremost[i] =
+            view.seen[i] && (component.empty() || component[foremost] == component[i]);
       }
     });
     for (int v = 0; v < count; ++v)

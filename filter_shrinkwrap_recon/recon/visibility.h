@@ -45,9 +45,10 @@ struct VisibilityOptions {
 /// 3 pixels, so that a surface hides what is behind it; the tolerance grows with the slope. Buffers
 /// hold at most a fixed multiple of the samples drawn (then the pixel is enlarged).
 ///
-/// In slanting views the tolerance is several pixels, more than many a wall is thick. With a
-/// component for each sample of the cloud, `foremost` leaves out what is seen only through others;
-/// without, it is `seen`.
+/// In slanting views the tolerance is several pixels, more than many a wall is thick. So a sample
+/// is hidden by a foremost one that is of a sheet parallel to its own, farther from its plane than
+/// the tolerance of a view from above. With a component for each sample of the cloud, `foremost`
+/// leaves out what is seen only through others nevertheless; without, it is `seen`.
 /// O(directions x drawn); the same for any number of threads.
 std::vector<VisibilityVote> visibility_votes(
     const PointCloud& cloud, const std::vector<Index>& drawn, const VisibilityOptions& options,
