@@ -57,7 +57,7 @@ Vec3 up(const Vec3&) {
 }
 
 TEST(ParallelSheets, WallsAsThickAsNeighbourhoodsAreWide) {
-  for (const auto& [distance, most] : {std::pair(1.2, 0.02), {1.5, 0.01}, {1.8, 0.005}}) {
+  for (const auto& [distance, most] : {std::pair(1.2, 0.03), {1.5, 0.015}, {1.8, 0.008}}) {
     SCOPED_TRACE(distance);
     const Normals normals = normals_of(two_sheets(distance, 0.0, 1), up);
     EXPECT_GT(normals.askew_before, 0.4);

@@ -12,7 +12,7 @@ struct ParallelSheetsOptions {
   double least_gap = 0.9;         ///< between sheets
   double most_variance = 0.1;     ///< of heights within two sheets, x that of all ...
   double most_of_plane = 0.3;  ///< ... and x that about the plane of all; within three, 0.3 x both
-  double least_cosine = 0.7;   ///< between the normal and the way from one sheet to the next: what
+  double least_cosine = 0.73;  ///< between the normal and the way from one sheet to the next: what
                                ///< lies beyond an edge is no sheet above
 };
 
