@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <cmath>
 #include <utility>
 
 #include "point_cloud.h"
@@ -25,6 +26,7 @@ std::vector<Vec3> two_sheets(double distance, double noise, unsigned seed) {
 
 struct Normals {
   double askew_before = 0.0, askew = 0.0;  // parts of the samples that are 30 degrees off
+  double mean_sine = 0.0;                  // of the angle they are off
   double replaced = 0.0;
 };
 
@@ -48,6 +50,10 @@ Normals normals_of(const std::vector<Vec3>& points, const TrueNormal& true_norma
       fit_parallel_sheets(cloud.position, around, ParallelSheetsOptions(), silent);
   result.replaced = static_cast<double>(replaced) / cloud.size();
   result.askew = part_askew(around.normal);
+  for (Index i = 0; i < cloud.size(); ++i) {
+    const Vec3 normal = true_normal(cloud.frame.to_input(cloud.position[i]));
+    result.mean_sine += normal.cross(around.normal[i].cast<double>()).norm() / cloud.size();
+  }
   EXPECT_TRUE(around.normal == cloud.normal) << "samples are prepared with them";
   return result;
 }
@@ -70,6 +76,7 @@ TEST(ParallelSheets, WithSomeNoise) {
   const Normals normals = normals_of(two_sheets(1.5, 0.08, 2), up);
   EXPECT_GT(normals.askew_before, 0.5);
   EXPECT_LT(normals.askew, 0.09);
+  EXPECT_LT(normals.mean_sine, 0.145);
 }
 
 // The fourth sheet of a stack, or a few samples of it, may be among the neighbours.
@@ -101,20 +108,15 @@ TEST(ParallelSheets, BendsAndEdgesAreNone) {
   }
 }
 
-// Twelve points of a plane, of which the first is looked at, and others beside it.
-Index sheets_with(const std::vector<Vec3>& others) {
-  std::vector<Vec3> points;
-  for (int x = 0; x < 4; ++x)
-    for (int y = 0; y < 3; ++y) points.emplace_back(x, y + 0.2 * (x % 2), 0.0);
-  std::swap(points[0], points[5]);
-  points.insert(points.end(), others.begin(), others.end());
+// Whether the first of these points, all of which are its neighbours, is of a sheet beside others.
+bool has_sheets_beside(const std::vector<Vec3>& points) {
   const auto count = static_cast<Index>(points.size());
   Neighbourhoods around;
   around.k = count;
   around.radius.assign(points.size(), 2.5f);
   around.normal.assign(points.size(), Vec3f::UnitX());
   around.deviation.assign(points.size(), 0.0f);
-  around.deviation[0] = 0.9f;
+  around.deviation[0] = 0.9f;  // the others are not looked at
   for (Index point = 0; point < count; ++point)
     for (Index k = 0; k < count; ++k) around.neighbour.push_back(k);
   Progress silent;
@@ -122,18 +124,38 @@ Index sheets_with(const std::vector<Vec3>& others) {
   if (replaced > 0) {
     EXPECT_GT(std::abs(around.normal[0].z()), 0.999f);
   }
-  return replaced;
+  return replaced == 1;
+}
+
+bool has_sheets_beside_plane(const std::vector<Vec3>& others) {
+  std::vector<Vec3> points = {Vec3(1.0, 2.2, 0.0)};
+  for (int x = 0; x < 4; ++x)
+    for (int y = 0; y < 3; ++y)
+      if (x != 1 || y != 2) points.emplace_back(x, y + 0.2 * (x % 2), 0.0);
+  points.insert(points.end(), others.begin(), others.end());
+  return has_sheets_beside(points);
 }
 
 TEST(ParallelSheets, AreFlatAndApartAndAboveEachOther) {
-  EXPECT_EQ(sheets_with({{0, 0, 1.5}, {2, 0, 1.5}, {2, 2, 1.5}, {0, 2, 1.5}}), 1);
-  EXPECT_EQ(sheets_with({{0, 0, 1.5}, {2, 1, 1.5}, {2, 2, -1.5}, {0, 2, -1.5}}), 1)
+  EXPECT_TRUE(has_sheets_beside_plane({{0, 0, 1.5}, {2, 0, 1.5}, {2, 2, 1.5}, {0, 2, 1.5}}));
+  EXPECT_TRUE(has_sheets_beside_plane({{0, 0, 1.5}, {2, 1, 1.5}, {2, 2, -1.5}, {0, 2, -1.5}}))
       << "one between";
-  EXPECT_EQ(sheets_with({{0, 0, 0.7}, {2, 0, 0.7}, {2, 2, 0.7}, {0, 2, 0.7}}), 0) << "too near";
-  EXPECT_EQ(sheets_with({{0, 0, 1.2}, {2, 0, 1.8}, {2, 2, 2.6}, {0, 2, 3.2}}), 0) << "not flat";
-  EXPECT_EQ(sheets_with({{4, 0, 1.5}, {4, 1, 1.5}, {4, 2, 1.5}, {4, 3, 1.5}}), 0)
+  EXPECT_FALSE(has_sheets_beside_plane({{0, 0, 0.7}, {2, 0, 0.7}, {2, 2, 0.7}, {0, 2, 0.7}}))
+      << "too near";
+  EXPECT_FALSE(has_sheets_beside_plane({{0, 0, 1.2}, {2, 0, 1.8}, {2, 2, 2.6}, {0, 2, 3.2}}))
+      << "not flat";
+  EXPECT_FALSE(has_sheets_beside_plane({{4, 0, 1.5}, {4, 1, 1.5}, {4, 2, 1.5}, {4, 3, 1.5}}))
       << "beyond an edge";
-  EXPECT_EQ(sheets_with({{0, 0, 0}, {2, 0.5, 0}, {2, 1.6, 0}, {1, 1, 1.5}}), 0) << "one point";
+  EXPECT_FALSE(has_sheets_beside_plane({{0, 0, 0}, {2, 0.5, 0}, {2, 1.6, 0}, {1, 1, 1.5}}))
+      << "one point";
+
+  std::vector<Vec3> three = {{1.5, 1.5, 0.0}, {1.7, 1.5, 0.0}, {1.5, 1.7, 0.0}};
+  for (int k = 0; k < 13; ++k)
+    three.emplace_back(std::fmod(0.7 * k, 3.0), std::fmod(1.9 * k, 3.0), 2.2);
+  EXPECT_FALSE(has_sheets_beside(three)) << "any three points lie on a plane";
+  three.push_back({1.3, 1.5, 0.0});
+  three.push_back({1.5, 1.3, 0.0});
+  EXPECT_TRUE(has_sheets_beside(three));
 }
 
 // Two lines lie on a plane, and on any two parallel ones.
