@@ -25,6 +25,46 @@ double spacing_of(int neighbours) {
   return std::sqrt(3.14159265358979 / neighbours);
 }
 
+using Offsets = Eigen::Array<float, 3, Eigen::Dynamic, 0, 3, kMostNeighbours>;
+using Row = Eigen::Array<float, 1, Eigen::Dynamic, Eigen::RowMajor, 1, kMostNeighbours>;
+
+// Neighbours ordered by their height over a plane, any range of which may be a sheet.
+class Heights {
+ public:
+  Heights(const Offsets& offset, const Row& height)
+      : offset_(offset), height_(height), count_(static_cast<int>(height.cols())) {
+    std::iota(order_.begin(), order_.begin() + count_, 0);
+    std::sort(order_.begin(), order_.begin() + count_, [&](int a, int b) {
+      return height_[a] != height_[b] ? height_[a] < height_[b] : a < b;
+    });
+  }
+  int count() const { return count_; }
+  double at(int place) const { return height_[order_[place]]; }
+  int place_of_point() const {
+    return static_cast<int>(std::find(order_.begin(), order_.begin() + count_, 0) - order_.begin());
+  }
+  // Sum of the squares of the heights about their mean.
+  double squares(int begin, int end) const {
+    double sum = 0.0, squares = 0.0;
+    for (int place = begin; place < end; ++place) {
+      sum += at(place);
+      squares += at(place) * at(place);
+    }
+    return end > begin ? squares - sum * sum / (end - begin) : 0.0;
+  }
+  Vec3f mean(int begin, int end) const {
+    Vec3f sum = Vec3f::Zero();
+    for (int place = begin; place < end; ++place) sum += offset_.col(order_[place]).matrix();
+    return sum / static_cast<float>(end - begin);
+  }
+
+ private:
+  const Offsets& offset_;
+  const Row& height_;
+  int count_;
+  std::array<int, kMostNeighbours> order_;
+};
+
 // The neighbours of one point, about it; lengths in the radius of the neighbourhood.
 class Neighbourhood {
  public:
@@ -50,9 +90,6 @@ class Neighbourhood {
   }
 
  private:
-  using Offsets = Eigen::Array<float, 3, Eigen::Dynamic, 0, 3, kMostNeighbours>;
-  using Row = Eigen::Array<float, 1, Eigen::Dynamic, Eigen::RowMajor, 1, kMostNeighbours>;
-
   Row heights_over(const Vec3f& normal) const {
     return normal[0] * offset_.row(0) + normal[1] * offset_.row(1) + normal[2] * offset_.row(2);
   }
@@ -99,47 +136,9 @@ class Neighbourhood {
   float per_thickness_;
 };
 
-// Neighbours ordered by their height over a plane, any range of which may be a sheet.
-template <class Offsets, class Row>
-class Heights {
- public:
-  Heights(const Offsets& offset, const Row& height)
-      : offset_(offset), height_(height), count_(static_cast<int>(height.cols())) {
-    std::iota(order_.begin(), order_.begin() + count_, 0);
-    std::sort(order_.begin(), order_.begin() + count_, [&](int a, int b) {
-      return height_[a] != height_[b] ? height_[a] < height_[b] : a < b;
-    });
-  }
-  int count() const { return count_; }
-  double at(int place) const { return height_[order_[place]]; }
-  int place_of_point() const {
-    return static_cast<int>(std::find(order_.begin(), order_.begin() + count_, 0) - order_.begin());
-  }
-  // Sum of the squares of the heights about their mean.
-  double squares(int begin, int end) const {
-    double sum = 0.0, squares = 0.0;
-    for (int place = begin; place < end; ++place) {
-      sum += at(place);
-      squares += at(place) * at(place);
-    }
-    return end > begin ? squares - sum * sum / (end - begin) : 0.0;
-  }
-  Vec3f mean(int begin, int end) const {
-    Vec3f sum = Vec3f::Zero();
-    for (int place = begin; place < end; ++place) sum += offset_.col(order_[place]).matrix();
-    return sum / static_cast<float>(end - begin);
-  }
-
- private:
-  const Offsets& offset_;
-  const Row& height_;
-  int count_;
-  std::array<int, kMostNeighbours> order_;
-};
-
 bool Neighbourhood::has_sheets_beside(const Vec3f& normal, double deviation) const {
   const Row height = heights_over(normal);
-  const Heights<Offsets, Row> heights(offset_, height);
+  const Heights heights(offset_, height);
   const int count = heights.count(), point = heights.place_of_point();
   const int least_own = std::max(1, static_cast<int>(kLeastOwn * count));
   const int least_beside = std::max(1, static_cast<int>(kLeastBeside * count));
