@@ -22,7 +22,7 @@ constexpr double kOfThree = 0.3;        // variance that three sheets may have, 
 constexpr double kLeastOwn = 4.0 / 16.0, kLeastBeside = 2.0 / 16.0;  // parts of the neighbours
 
 double spacing_of(int neighbours) {
-  return std::sqrt(3.14159265358979 / neighbours);
+  return std::sqrt(kPi / neighbours);
 }
 
 using Offsets = Eigen::Array<float, 3, Eigen::Dynamic, 0, 3, kMostNeighbours>;
