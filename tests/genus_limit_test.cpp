@@ -121,6 +121,7 @@ TEST(GenusLimit, IsImposedOnAReconstruction) {
 TEST(InitialMesh, RefutesHandlesAcrossANarrowGap) {
   ReconstructionOptions options;
   options.initial_mesh.false_handles.enabled = false;
+  options.orientation.most_noise_at_creases = -1.0;  // planes at the ends lie askew
   Index refuted = 0;
   for (const unsigned seed : {1u, 2u, 3u, 4u}) {
     Progress silent;

@@ -348,7 +348,11 @@ OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& op
 
   report.closedness = cloud.closedness = closedness_of(cloud, votes);
 
-  progress.set_range(0.85, 1.0);
+  progress.set_range(0.85, 0.95);
+  if (graph.noise() <= options.most_noise_at_creases)
+    report.creased = fit_crease_planes(cloud, options.creases, progress);
+
+  progress.set_range(0.95, 1.0);
   measure_tangent_planes(cloud, options.plane_neighbours, progress);
   return report;
 }

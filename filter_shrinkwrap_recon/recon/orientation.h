@@ -2,6 +2,7 @@
 // per component.
 #pragma once
 
+#include "crease_planes.h"
 #include "point_cloud.h"
 #include "spanning_forest.h"
 
@@ -24,6 +25,9 @@ struct OrientationOptions {
   int judging_directions = 24;      ///< so many directions
   double judging_weight = 3.0;      ///< of their votes: see `votes_against`
   SignOptions signs;
+  CreasePlaneOptions creases;
+  double most_noise_at_creases = 0.06;  ///< of clouds with more (NeighbourGraph::noise) the planes
+                                        ///< at edges stay as they are; negative: of all
 };
 
 struct OrientationReport {
@@ -31,6 +35,7 @@ struct OrientationReport {
   Index enclosed_components =
       0;  ///< nobody sees them from outside, but through others: walls of cavities, and the like
   Index undecided_components = 0;  ///< seen as much from one side as from the other: open sheets
+  Index creased = 0;               ///< samples whose planes became those of faces at an edge
   double closedness = 1.0;         ///< of the whole cloud: PointCloud::closedness
 };
 
@@ -47,8 +52,9 @@ struct OrientationReport {
 /// open sheet, such as the ground, hides its front. Of a sheet it counts too how convex it is, seen
 /// by itself. Sheets that are neither closed nor convex face where the other components do on the
 /// whole, or +z (or +y, +x if they stand upright). What is left undecided keeps the sign of the
-/// majority, however small. Then computes the tangent planes. O(N) expected time but for the
-/// union-find, O(N) memory, the same for any number of threads.
+/// majority, however small. Then normals at edges become those of faces (crease_planes.h): those of
+/// a face are told from those of another by their sides. Then computes the tangent planes. O(N)
+/// expected time but for the union-find, O(N) memory, the same for any number of threads.
 OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& options,
                                  Progress& progress);
 
