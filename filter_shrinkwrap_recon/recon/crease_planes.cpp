@@ -28,15 +28,16 @@ PlaneSupport planes_around(const PointCloud& cloud, Index sample, const CreasePl
                       options.thickness * scale * cloud.local_spacing[sample]);
 }
 
-// The normal of the face that a sample beside an edge is of; its own one where there is no other.
+// The normal of the face that a sample beside an edge is of; its own one if that is of a face, or
+// if there is none.
 Vec3f normal_of_face(const PointCloud& cloud, Index sample, const CreasePlaneOptions& options,
                      std::vector<VoxelSearch::Hit>& hits) {
   const PlaneSupport planes = planes_around(cloud, sample, options, hits);
-  const Vec3f& own = cloud.normal[sample];
-  const Vec3f normal = planes.normal_of_most_support();
   const double least = options.least_members * static_cast<double>(hits.size());
-  const bool is_face = !normal.isZero() && planes.members_of(normal) >= least;
-  return is_face ? normal : own;
+  const Vec3f& own = cloud.normal[sample];
+  if (planes.members_of(own) >= least) return own;
+  const Vec3f normal = planes.normal_of_most_support();
+  return !normal.isZero() && planes.members_of(normal) >= least ? normal : own;
 }
 
 }  // namespace

@@ -17,8 +17,8 @@ struct CreasePlaneOptions {
 /// edges are as near to each other as samples, at the ends of thin walls and in narrow slots, it is
 /// any plane. So where neighbours deviate from their plane, that of one face is sought
 /// (plane_support.h) among those that look to the same side. It replaces the plane of the sample,
-/// and its side, if enough neighbours lie on it. On what is curved, or noisier than a face is
-/// thick, too few do.
+/// and its side, if enough neighbours lie on it, and too few on the one that there was. On what is
+/// curved, or noisier than a face is thick, too few lie on any.
 ///
 /// Pre: the normals are oriented, most of them right. Returns how many normals were replaced; the
 /// tangent planes are not. O(N) expected; the same for any number of threads.
