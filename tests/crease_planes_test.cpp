@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "initial_mesh.h"
 #include "oriented_cloud.h"
@@ -98,6 +99,7 @@ TEST(CreasePlanes, WhatIsCurvedHasNone) {
   };
   Random random(1);
   const std::vector<Vec3> points = sample_implicit(rod_on_plate, {}, 2500, random).points;
+  EXPECT_GT(oriented(points).report.creased, 0);
   const auto mean_sine_on_rod = [&](const OrientationOptions& options) {
     const PointCloud cloud = oriented(points, options).cloud;
     double sines = 0.0, samples = 0.0;
@@ -132,21 +134,53 @@ TEST(CreasePlanes, LittleDeviationIsOneFace) {
 }
 
 TEST(CreasePlanes, AreTheSameForAnyNumberOfThreads) {
-  const std::vector<Vec3> points = comb(4000, 2);
+  const std::vector<Vec3> points = comb(8000, 2);
   const PointCloud cloud = oriented(points).cloud;
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  EXPECT_TRUE(oriented(points).cloud.normal == cloud.normal);
+  const Cloud again = oriented(points);
+  EXPECT_TRUE(again.cloud.normal == cloud.normal);
+  EXPECT_GT(again.report.creased, 0);
 }
 
 TEST(CreasePlanes, OfFewOrManyNeighbours) {
-  Progress silent;
   for (const int neighbours : {0, 1, 2, 3, 64, 1000}) {
     SCOPED_TRACE(neighbours);
     OrientationOptions options;
     options.creases.neighbours = neighbours;
-    const PointCloud cloud = oriented(sample_shape(ShapeKind::box, 40, 3), options).cloud;
-    for (const Vec3f& normal : cloud.normal) EXPECT_NEAR(normal.norm(), 1.0f, 1e-4f);
+    const Cloud box = oriented(sample_shape(ShapeKind::box, 3000, 3), options);
+    for (const Vec3f& normal : box.cloud.normal) EXPECT_NEAR(normal.norm(), 1.0f, 1e-4f);
+    EXPECT_EQ(box.report.creased > 0, neighbours == 64 || neighbours == 1000);
   }
+  OrientationOptions noisy;
+  noisy.most_noise_at_creases = INFINITY;
+  EXPECT_EQ(oriented(sample_shape(ShapeKind::box, 20, 3), noisy).report.creased, 0)
+      << "a quarter of 32 is more than a face has";
+}
+
+// The walls of a square tower that was cut into slices, of which each holds samples one unit apart.
+std::vector<Vec3> sliced_tower(double gap, double half_width, double slope) {
+  std::vector<Vec3> points;
+  Random random(1);
+  for (double z = 0.0; z < 60.0; z += gap) {
+    const double half = half_width - slope * z, first = random.uniform();
+    for (double along = first; along < 8.0 * half; along += 1.0) {
+      const double side = std::floor(along / (2.0 * half)), t = along - (2.0 * side + 1.0) * half;
+      const double x = side < 2.0 ? t : -t, y = side == 0.0 || side == 3.0 ? -half : half;
+      points.push_back(side == 0.0 || side == 2.0 ? Vec3(x, y, z) : Vec3(-y, x, z));
+    }
+  }
+  return points;
+}
+
+TEST(CreasePlanes, SlicesAreNoFaces) {
+  OrientationOptions any;
+  any.creases.least_agreement = -1.0;
+  const Cloud wide = oriented(sliced_tower(15.0, 8.0, 0.0));
+  ASSERT_TRUE(wide.cloud.conditioning.on_lines);
+  EXPECT_EQ(wide.report.creased, 0);
+  const Cloud narrow = oriented(sliced_tower(4.5, 12.0, 0.1));
+  ASSERT_FALSE(narrow.cloud.conditioning.on_lines);
+  EXPECT_LT(narrow.report.creased, oriented(sliced_tower(4.5, 12.0, 0.1), any).report.creased / 2);
 }
 
 }  // namespace

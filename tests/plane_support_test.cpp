@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
 namespace shrinkwrap::testing {
@@ -60,6 +61,17 @@ TEST(PlaneSupport, IsOfThoseThatLookToItsSide) {
   EXPECT_GT(normal.z(), 0.999f) << "the side of most of them";
   EXPECT_EQ(planes.members_of(normal), 6) << "five of the ten, and the point";
   EXPECT_EQ(planes.members_of(-normal), 6) << "the other five";
+}
+
+TEST(PlaneSupport, NormalsAgreeWithThePlaneOrNot) {
+  const std::vector<Vec3f> offset = neighbours_at_edge();
+  const auto agreement = [&](const Vec3f& looks) {
+    const std::vector<Vec3f> normals(offset.size(), looks);
+    return PlaneSupport(columns(offset), columns(normals), 0.05).agreement_with(Vec3f::UnitZ());
+  };
+  EXPECT_NEAR(agreement(Vec3f(0.0f, 0.6f, 0.8f)), 0.8f, 1e-6f);
+  EXPECT_NEAR(agreement(Vec3f(0.0f, 1.0f, 0.01f).normalized()), 0.01f, 1e-4f);
+  EXPECT_EQ(agreement(-Vec3f::UnitZ()), 0.0f) << "none but the point supports it";
 }
 
 TEST(PlaneSupport, IsNoneOfALine) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "parallel.h"
 #include "plane_support.h"
@@ -11,11 +13,14 @@ namespace {
 
 constexpr Index kGrain = 1 << 8;
 
+int neighbours_asked_for(const CreasePlaneOptions& options) {
+  return std::clamp(options.neighbours, 1, PlaneSupport::kMostNeighbours);
+}
+
 PlaneSupport planes_around(const PointCloud& cloud, Index sample, const CreasePlaneOptions& options,
                            std::vector<VoxelSearch::Hit>& hits) {
   const Vec3& origin = cloud.position[sample];
-  const int most = std::clamp(options.neighbours, 1, PlaneSupport::kMostNeighbours);
-  cloud.search.k_nearest(origin, most, hits);
+  cloud.search.k_nearest(origin, neighbours_asked_for(options), hits);
   const double scale = 1.0 / std::sqrt(hits.back().squared_distance);
   const auto count = static_cast<Eigen::Index>(hits.size());
   PlaneSupport::Vectors offset(3, count), normal(3, count);
@@ -33,11 +38,13 @@ PlaneSupport planes_around(const PointCloud& cloud, Index sample, const CreasePl
 Vec3f normal_of_face(const PointCloud& cloud, Index sample, const CreasePlaneOptions& options,
                      std::vector<VoxelSearch::Hit>& hits) {
   const PlaneSupport planes = planes_around(cloud, sample, options, hits);
-  const double least = options.least_members * static_cast<double>(hits.size());
+  const double least = options.least_members * neighbours_asked_for(options);
   const Vec3f& own = cloud.normal[sample];
   if (planes.members_of(own) >= least) return own;
   const Vec3f normal = planes.normal_of_most_support();
-  return !normal.isZero() && planes.members_of(normal) >= least ? normal : own;
+  const bool is_face = !normal.isZero() && planes.members_of(normal) >= least &&
+                       planes.agreement_with(normal) >= options.least_agreement;
+  return is_face ? normal : own;
 }
 
 }  // namespace

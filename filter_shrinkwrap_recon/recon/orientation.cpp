@@ -349,7 +349,7 @@ OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& op
   report.closedness = cloud.closedness = closedness_of(cloud, votes);
 
   progress.set_range(0.85, 0.95);
-  if (graph.noise() <= options.most_noise_at_creases)
+  if (graph.noise() <= options.most_noise_at_creases && !cloud.conditioning.on_lines)
     report.creased = fit_crease_planes(cloud, options.creases, progress);
 
   progress.set_range(0.95, 1.0);

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <utility>
 
 namespace shrinkwrap {
 namespace {
@@ -25,9 +26,7 @@ PlaneSupport::PlaneSupport(Vectors offset, Vectors normal, double thickness)
       per_thickness_(static_cast<float>(1.0 / thickness)) {}
 
 PlaneSupport::Row PlaneSupport::looking_to(const Vec3f& side) const {
-  Row looks =
-      (side[0] * normal_.row(0) + side[1] * normal_.row(1) + side[2] * normal_.row(2) > 0.0f)
-          .cast<float>();
+  Row looks = (cosines_with(side) > 0.0f).cast<float>();
   looks[0] = 1.0f;
   return looks;
 }
@@ -41,6 +40,13 @@ PlaneSupport::Row PlaneSupport::support_of(const Vec3f& normal) const {
 
 int PlaneSupport::members_of(const Vec3f& normal) const {
   return static_cast<int>((support_of(normal) > kOfMember * nearness_).count());
+}
+
+float PlaneSupport::agreement_with(const Vec3f& normal) const {
+  Row support = support_of(normal);
+  support[0] = 0.0f;
+  const float sum = support.sum();
+  return sum > 0.0f ? (support * cosines_with(normal)).sum() / sum : 0.0f;
 }
 
 Vec3f PlaneSupport::normal_of_best_pair() const {

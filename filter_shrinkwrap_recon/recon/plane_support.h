@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <utility>
 
 #include "types.h"
 
@@ -22,7 +21,7 @@ class PlaneSupport {
   /// kMostNeighbours columns.
   PlaneSupport(Vectors offset, double thickness);
   /// Neighbours support a plane on one side only, that to which they look. `normal`: of the
-  /// neighbours, of any length; that of the first is not asked for.
+  /// neighbours, unit; that of the first is not asked for.
   PlaneSupport(Vectors offset, Vectors normal, double thickness);
 
   const Vectors& offset() const { return offset_; }
@@ -35,6 +34,9 @@ class PlaneSupport {
   /// How many neighbours lie within a thickness of the plane, and look to its side; the point is
   /// one of them.
   int members_of(const Vec3f& normal) const;
+  /// The mean cosine between the plane's normal and those of the neighbours that support it,
+  /// weighted by their support; 0 if none does beside the point. Pre: sides matter.
+  float agreement_with(const Vec3f& normal) const;
 
   /// The normal of the plane with the most support, of those through the point and any two of the
   /// eight nearest, fitted again twice to what supports it. Unit; zero if these all lie on a line.
@@ -43,7 +45,10 @@ class PlaneSupport {
  private:
   Vec3f normal_of_best_pair() const;
   Vec3f refined(const Vec3f& normal) const;
-  // 1 for those that look to the side, 0 for the others.
+  Row cosines_with(const Vec3f& normal) const {
+    return normal[0] * normal_.row(0) + normal[1] * normal_.row(1) + normal[2] * normal_.row(2);
+  }
+  // 1 for those that look to the side, and the point, 0 for the others.
   Row looking_to(const Vec3f& side) const;
 
   Vectors offset_;

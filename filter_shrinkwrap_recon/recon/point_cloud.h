@@ -71,7 +71,8 @@ class PointCloud {
   double spacing_beside(Index sample) const;
   VoxelSearch search;            ///< of `position`
   std::vector<Vec3f> normal;     ///< of the plane that fits the k neighbours best, or of two
-                                 ///< (parallel_sheets.h); sign arbitrary until `orient_normals`
+                                 ///< (parallel_sheets.h); sign arbitrary until `orient_normals`,
+                                 ///< then, beside edges, of one face (crease_planes.h)
   std::vector<float> deviation;  ///< of the k neighbours from their plane, root mean square
   std::vector<TangentPlane>
       plane;  ///< after `orient_normals`: Gaussian mean of the compatible neighbours
