@@ -21,6 +21,7 @@ PlaneSupport planes_around(const PointCloud& cloud, Index sample, const CreasePl
                            std::vector<VoxelSearch::Hit>& hits) {
   const Vec3& origin = cloud.position[sample];
   cloud.search.k_nearest(origin, neighbours_asked_for(options), hits);
+  // Infinite if all are at one place: no plane has any support then.
   const double scale = 1.0 / std::sqrt(hits.back().squared_distance);
   const auto count = static_cast<Eigen::Index>(hits.size());
   PlaneSupport::Vectors offset(3, count), normal(3, count);

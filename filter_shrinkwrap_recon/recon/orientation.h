@@ -52,9 +52,9 @@ struct OrientationReport {
 /// open sheet, such as the ground, hides its front. Of a sheet it counts too how convex it is, seen
 /// by itself. Sheets that are neither closed nor convex face where the other components do on the
 /// whole, or +z (or +y, +x if they stand upright). What is left undecided keeps the sign of the
-/// majority, however small. Then normals at edges become those of faces (crease_planes.h): those of
-/// a face are told from those of another by their sides. Then computes the tangent planes. O(N)
-/// expected time but for the union-find, O(N) memory, the same for any number of threads.
+/// majority, however small. Then normals at edges become those of faces (crease_planes.h), unless
+/// samples are noisy or lie on lines. Then computes the tangent planes. O(N) expected time but for
+/// the union-find, O(N) memory, the same for any number of threads.
 OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& options,
                                  Progress& progress);
 

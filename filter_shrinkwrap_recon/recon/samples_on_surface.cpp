@@ -50,8 +50,8 @@ SamplesOnSurface move_onto_surface(const SurfaceMesh& surface, const PointCloud&
   const double left = noise * (options.left + options.left_per_noise * noise);
   parallel_for_each(samples, kGrain, progress, [&](Index i) {
     const double mean = mean_around(cloud, i, squared_distance);
-    const double stays = mean > left * left ? 1.0 - left * left / mean : 0.0;
-    result.position[i] += stays * (cloud.position[i] - result.position[i]);
+    const double moves = mean > left * left ? left * left / mean : 1.0;
+    result.position[i] = cloud.position[i] + moves * (result.position[i] - cloud.position[i]);
   });
   const auto least_of_upper = [&](Index part) {
     const auto least = squared_distance.end() - (samples + part - 1) / part;
