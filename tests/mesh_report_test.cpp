@@ -16,6 +16,7 @@
 namespace shrinkwrap {
 namespace {
 
+using testing::flattened;
 using testing::icosphere;
 using testing::Random;
 using testing::torus_mesh;
@@ -89,6 +90,28 @@ TEST(MeshReport, SideOfVeryLargeAndVerySmallMeshes) {
     EXPECT_FALSE(report_of(mesh).outward());
     EXPECT_EQ(report_of(mesh).components_inside_out, 1);
   }
+}
+
+// Its volume has the sign of the rounding of its sum.
+TEST(MeshReport, AFlatComponentHasNoInside) {
+  Mesh flat(flattened(icosphere(3), Vec3(1, 2, 3))), turned;
+  turned.add(flat, Vec3::Zero(), true);
+  for (const Mesh& mesh : {flat, turned}) {
+    const MeshReport report = report_of(mesh);
+    EXPECT_TRUE(report.outward());
+    EXPECT_EQ(report.components_flat, 1);
+    EXPECT_EQ(report.components_inside_out, 0);
+    EXPECT_EQ(describe(report)[2], "Closed: yes, volume 0, 1 component is flat, without an inside");
+  }
+  // Beside a body the side of the body counts, which is not far from flat, but surely none.
+  Mesh body(icosphere(3));
+  for (Vec3& p : body.positions) p.z() *= 1e-9;
+  flat.add(body, Vec3(5, 0, 0));
+  turned.add(body, Vec3(5, 0, 0), true);
+  EXPECT_TRUE(report_of(flat).outward());
+  EXPECT_FALSE(report_of(turned).outward());
+  EXPECT_EQ(report_of(turned).components_flat, 1);
+  EXPECT_EQ(report_of(turned).components_inside_out, 1);
 }
 
 TEST(MeshReport, ComponentsAndCavities) {

@@ -82,6 +82,16 @@ TEST(Promise, FacesThatTurnTheOtherWayBreakIt) {
   expect_broken("oriented outwards", mesh, mesh.position, of_a_surface());
 }
 
+TEST(Promise, AFlatMeshHasNoSideThatBreaksIt) {
+  const SurfaceMesh flat = testing::flattened(testing::icosphere(2), Vec3(1, 2, 3));
+  ResultMesh mesh;
+  mesh.position = flat.position;
+  mesh.triangles = flat.triangles();
+  EXPECT_EQ(broken(mesh, mesh.position), "");
+  for (Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
+  EXPECT_EQ(broken(mesh, mesh.position), "");
+}
+
 TEST(Promise, NoFacesBreakIt) {
   expect_broken("a 2-manifold", ResultMesh(), {Vec3::Zero()}, of_an_open_mesh());
 }

@@ -478,6 +478,11 @@ SurfaceMesh icosphere(int subdivisions) {
   return SurfaceMesh::from_triangles(std::move(position), faces);
 }
 
+SurfaceMesh flattened(SurfaceMesh mesh, const Vec3& normal) {
+  for (Vec3& p : mesh.position) p -= normal * (normal.dot(p) / normal.squaredNorm());
+  return mesh;
+}
+
 SurfaceMesh placed(SurfaceMesh mesh, double scale, const Vec3& shift) {
   for (Vec3& p : mesh.position) p = scale * p + shift;
   return mesh;

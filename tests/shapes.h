@@ -134,6 +134,8 @@ std::vector<Vec3> sample_spiked_ball(Index count, double finer = 10.0);
 /// The unit sphere as an icosahedron whose faces were split into four `subdivisions` times:
 /// 10 * 4^subdivisions + 2 vertices.
 SurfaceMesh icosphere(int subdivisions);
+/// Moved along the normal onto the plane through the origin: closed, and flat but for rounding.
+SurfaceMesh flattened(SurfaceMesh mesh, const Vec3& normal);
 
 /// Samples of a sphere about the origin, spread evenly along a spiral.
 std::vector<Vec3> spiral_sphere(double radius, double spacing);

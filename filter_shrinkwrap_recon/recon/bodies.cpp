@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "exact_predicates.h"
@@ -104,24 +105,61 @@ std::vector<Crossing> find_crossings(const std::vector<Probe>& probes,
       });
 }
 
-std::vector<double> volumes_of(const std::vector<Vec3>& position,
-                               const std::vector<Triangle>& triangles,
-                               const std::vector<Index>& component_of_face, Index components) {
-  std::vector<double> volume(static_cast<std::size_t>(components), 0.0);
-  // From a vertex of their own: a small component far from the others has a small volume too.
-  std::vector<Index> apex(static_cast<std::size_t>(components), kNone);
-  for (std::size_t f = 0; f < triangles.size(); ++f) {
-    const Triangle& t = triangles[f];
-    Index& own = apex[component_of_face[f]];
-    if (own == kNone) own = t[0];
-    const Vec3 a = position[t[0]] - position[own], b = position[t[1]] - position[own],
-               c = position[t[2]] - position[own];
-    volume[component_of_face[f]] += a.dot(b.cross(c)) / 6.0;
+// Of a face and an apex, six times: its signed volume, and the product of the distances of its
+// corners, of which the volume is off by a few roundings.
+struct Tetrahedron {
+  double volume = 0.0, size = 0.0;
+
+  Tetrahedron& operator+=(const Tetrahedron& other) {
+    volume += other.volume;
+    size += other.size;
+    return *this;
   }
-  return volume;
+};
+
+Tetrahedron tetrahedron_of(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Tetrahedron all{a.dot(b.cross(c)), a.norm() * b.norm() * c.norm()};
+  return std::isfinite(all.volume) && std::isfinite(all.size) ? all : Tetrahedron();
 }
 
 }  // namespace
+
+std::vector<double> signed_volumes(const std::vector<Vec3>& position,
+                                   const std::vector<Triangle>& triangles,
+                                   const std::vector<Index>& component_of_face, Index components,
+                                   double scale, Progress& progress) {
+  constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
+  // From a vertex of their own: a small component far from the others has a small volume too.
+  std::vector<Index> apex(static_cast<std::size_t>(components), kNone);
+  for (std::size_t f = 0; f < triangles.size(); ++f)
+    if (Index& own = apex[component_of_face[f]]; own == kNone) own = triangles[f][0];
+  // Block by block; most blocks lie in one component.
+  struct Part {
+    Index component;
+    Tetrahedron sum;
+  };
+  const std::vector<Part> parts =
+      parallel_collect<Part>(static_cast<Index>(triangles.size()), kGrain, progress,
+                             [&](Index begin, Index end, std::vector<Part>& some) {
+                               for (Index f = begin; f < end; ++f) {
+                                 const Index component = component_of_face[f];
+                                 if (some.empty() || some.back().component != component)
+                                   some.push_back({component, {}});
+                                 const auto& [a, b, c] = triangles[f];
+                                 const Vec3 origin = scale * position[apex[component]];
+                                 some.back().sum += tetrahedron_of(scale * position[a] - origin,
+                                                                   scale * position[b] - origin,
+                                                                   scale * position[c] - origin);
+                               }
+                             });
+  std::vector<Tetrahedron> sum(static_cast<std::size_t>(components));
+  for (const Part& part : parts) sum[part.component] += part.sum;
+  std::vector<double> volume(sum.size());
+  std::transform(sum.begin(), sum.end(), volume.begin(), [&](const Tetrahedron& all) {
+    return std::abs(all.volume) > kRounding * all.size ? all.volume / 6.0 : 0.0;
+  });
+  return volume;
+}
 
 ComponentSides find_sides(const std::vector<Vec3>& position, const std::vector<Triangle>& triangles,
                           const std::vector<Index>& component_of_face,
@@ -177,7 +215,7 @@ Index turn_outward(SurfaceMesh& mesh, const std::vector<Index>& opening_faces, P
   for (std::size_t f = 0; f < triangles.size(); ++f)
     component_of_face[f] = components.of_vertex[triangles[f][0]];
   std::vector<double> volume =
-      volumes_of(mesh.position, triangles, component_of_face, components.count);
+      signed_volumes(mesh.position, triangles, component_of_face, components.count, 1.0, progress);
   for (const Index f : opening_faces) volume[component_of_face[f]] = 0.0;
 
   const std::vector<Index> inside_out =

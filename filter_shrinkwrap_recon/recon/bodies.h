@@ -8,6 +8,16 @@
 
 namespace shrinkwrap {
 
+/// The signed volume of each closed component, times the cube of `scale`, which should be a power
+/// of two and bring the coordinates to a moderate size. 0 for a flat component: one of less volume
+/// than its sum is rounded by (8 bits in the last place of each term), which has no inside. What is
+/// not finite counts as nothing. O(F), parallel, the same for any number of threads.
+/// `component_of_face`: below `components`.
+std::vector<double> signed_volumes(const std::vector<Vec3>& position,
+                                   const std::vector<Triangle>& triangles,
+                                   const std::vector<Index>& component_of_face, Index components,
+                                   double scale, Progress& progress);
+
 struct ComponentSides {
   std::vector<Index> cavities;    ///< within the solid of others, whichever way they face
   std::vector<Index> inside_out;  ///< a body of negative volume, or a cavity of positive volume

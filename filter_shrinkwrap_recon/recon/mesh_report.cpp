@@ -222,42 +222,18 @@ int moderating_exponent(const std::vector<Vec3>& positions) {
   return greatest > 0.0 ? std::clamp(-std::ilogb(greatest), -kMost, kMost) : 0;
 }
 
-// Six times the signed volume between a face and a fixed point, in the scale of that; 0 if not
-// finite.
-double volume_under(const std::vector<Vec3>& positions, const Triangle& t, double scale,
-                    const Vec3& apex) {
-  const Vec3 a = scale * positions[t[0]] - apex, b = scale * positions[t[1]] - apex,
-             c = scale * positions[t[2]] - apex;
-  const double volume = a.dot(b.cross(c));
-  return std::isfinite(volume) ? volume : 0.0;
-}
-
-// Of a closed mesh. Sums the volume of every component, in the order of the faces.
+// Of a closed mesh. Components are named by their lowest face.
 void measure_volume(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles,
                     const Components& components, MeshReport& report, Progress& progress) {
-  const Index faces = static_cast<Index>(triangles.size());
   const int exponent = moderating_exponent(positions);
-  const double scale = std::ldexp(1.0, exponent);
-  // Block by block; most blocks lie in one component.
-  struct Part {
-    Index component;
-    double volume;
-  };
-  const std::vector<Part> parts = parallel_collect<Part>(
-      faces, kGrain, progress, [&](Index begin, Index end, std::vector<Part>& some) {
-        for (Index f = begin; f < end; ++f) {
-          const Index component = components.of_face[f];
-          if (some.empty() || some.back().component != component) some.push_back({component, 0.0});
-          // Of its own: the volume of a small one far from the others is small too.
-          const Vec3 apex = scale * positions[triangles[component][0]];
-          some.back().volume += volume_under(positions, triangles[f], scale, apex) / 6.0;
-        }
-      });
-  std::vector<double> volume(triangles.size(), 0.0);
-  for (const Part& part : parts) volume[part.component] += part.volume;
+  const Index faces = static_cast<Index>(triangles.size());
+  const std::vector<double> volume = signed_volumes(positions, triangles, components.of_face, faces,
+                                                    std::ldexp(1.0, exponent), progress);
   const double sum = std::accumulate(volume.begin(), volume.end(), 0.0);
   report.volume = std::ldexp(sum, -3 * exponent);
   report.volume_is_positive = sum > 0.0;
+  for (Index f = 0; f < faces; ++f)
+    report.components_flat += components.of_face[f] == f && volume[f] == 0.0 ? 1 : 0;
   if (!report.manifold()) return;
   const ComponentSides sides =
       find_sides(positions, triangles, components.of_face, volume, progress);
@@ -364,6 +340,9 @@ std::vector<std::string> describe(const MeshReport& report) {
   std::string closed = "Closed: " + borders.or_else(report.faces > 0 ? "yes" : "no faces");
   if (report.closed()) {
     closed += ", volume " + short_number(report.volume);
+    if (report.components_flat > 0)
+      closed += ", " + counted(report.components_flat, "component is", "components are") +
+                " flat, without an inside";
     if (report.cavities > 0) closed += ", " + counted(report.cavities, "cavity", "cavities");
     if (report.components_inside_out > 0)
       closed +=

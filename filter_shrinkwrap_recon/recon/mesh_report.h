@@ -22,6 +22,7 @@ struct MeshReport {
   Index nonmanifold_vertices = 0;   ///< vertices whose faces are not one fan
   Index misoriented_edges = 0;      ///< edges whose two faces run along them in the same direction
   Index components = 0;             ///< by edges
+  Index components_flat = 0;        ///< of a closed mesh: without volume, see signed_volumes
   Index cavities = 0;               ///< of a closed 2-manifold: see bodies.h
   Index components_inside_out = 0;  ///< of a closed 2-manifold
   Index genus =
@@ -45,7 +46,10 @@ struct MeshReport {
     return samples_missing == 0 && samples_matched_twice == 0 && vertices_extra == 0 &&
            samples_matched == samples;
   }
-  bool outward() const { return closed() && manifold() && volume_is_positive; }
+  /// A flat component has no outside to face.
+  bool outward() const {
+    return closed() && manifold() && (volume_is_positive || components_flat == components);
+  }
 };
 
 struct MeshReportOptions {

@@ -92,7 +92,8 @@ bool bounds_a_volume(const ResultMesh& mesh) {
   Mesh thick;
   for (const Mesh& component : components)
     if (!is_rounding(component, largest)) CGAL::copy_face_graph(component, thick);
-  return CGAL::Polygon_mesh_processing::does_bound_a_volume(thick);
+  // Of no component CGAL says no.
+  return thick.is_empty() || CGAL::Polygon_mesh_processing::does_bound_a_volume(thick);
 }
 
 }  // namespace shrinkwrap::robustness

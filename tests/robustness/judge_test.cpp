@@ -167,6 +167,27 @@ TEST_F(JudgeOfASphere, FindsFacesThatCutOthers) {
   EXPECT_EQ(judged().components, 2);
 }
 
+TEST(Judge, AsksNoSideOfFlatComponents) {
+  const SurfaceMesh flat = testing::flattened(testing::icosphere(2), Vec3(1, 2, 3));
+  const Index first = flat.vertex_slots();
+  std::vector<Vec3> samples = flat.position;
+  for (const Vec3& p : flat.position) samples.push_back(p + Vec3(3, 0, 0));
+  for (const int turned : {0, 1, 2}) {
+    ResultMesh mesh;
+    mesh.position = samples;
+    mesh.triangles = flat.triangles();
+    for (const Triangle& t : flat.triangles())
+      mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+    for (std::size_t f = 0; f < static_cast<std::size_t>(turned) * flat.triangles().size(); ++f)
+      std::swap(mesh.triangles[f][0], mesh.triangles[f][1]);
+    for (Index v = 0; v < 2 * first; ++v) mesh.input_index.push_back(v);
+    const Judgement judgement = judge(samples, {}, mesh, false);
+    EXPECT_EQ(judgement.components, 2);
+    EXPECT_TRUE(judgement.manifold && judgement.outward);
+    EXPECT_TRUE(bounds_a_volume(mesh));
+  }
+}
+
 // On a slow machine time is no promise.
 TEST(Attempt, IsTooSlowOnlyByTheLimitAskedFor) {
   const std::vector<Vec3> points = testing::sample_shape(testing::ShapeKind::sphere, 500, 1);
