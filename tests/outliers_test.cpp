@@ -150,6 +150,51 @@ TEST(Outliers, StrayPointsAreFoundAndNothingElse) {
     }
 }
 
+// The samples of a sheet lie in planes that go on beyond its edge.
+class OutliersBesideASheet : public ::testing::Test {
+ protected:
+  static constexpr Index kSamples = 60 * 60;
+
+  OutliersBesideASheet() {
+    Random random(13);
+    for (Index i = 0; i < kSamples; ++i)
+      points.emplace_back(Vec3(i % 60, i / 60, 0.0) + 0.2 * random.in_cube());
+  }
+  bool is_stray(Index i) const {
+    const std::vector<Index> found = cleaned(points).report.input_index;
+    return std::binary_search(found.begin(), found.end(), i);
+  }
+
+  std::vector<Vec3> points;
+};
+
+TEST_F(OutliersBesideASheet, PointsFarBeyondItsEdgeAreStray) {
+  for (const double distance : {2.0, 3.2, 6.0, 12.0, 30.0, 300.0})
+    for (const double slope : {0.0, 0.2}) {
+      SCOPED_TRACE(distance);
+      points.emplace_back(59.0 + distance, 28.5, slope * distance);
+      EXPECT_EQ(is_stray(kSamples), distance > 5.0);
+      points.pop_back();
+    }
+}
+
+// What goes on beyond such a point holds it only if it is near enough, and in its plane.
+TEST_F(OutliersBesideASheet, PointsBetweenItAndAnotherAreStray) {
+  const std::vector<Vec3> sheet = points;
+  for (const auto& [gap, height] : {std::make_pair(21.0, 8.0), std::make_pair(60.0, 0.0)}) {
+    SCOPED_TRACE(gap);
+    points = sheet;
+    points.emplace_back(69.0, 28.5, 0.0);
+    for (const Vec3& p : sheet) points.push_back(p + Vec3(59.0 + gap, 0.0, height));
+    EXPECT_TRUE(is_stray(kSamples));
+  }
+}
+
+TEST_F(OutliersBesideASheet, WiderSamplesBeyondItsEdgeAreNotStray) {
+  for (int i = 0; i < 21; ++i) points.emplace_back(67.0 + 8.0 * (i / 7), 5.0 + 8.0 * (i % 7), 0.0);
+  EXPECT_EQ(cleaned(points).report.input_index.size(), 0u);
+}
+
 TEST(Outliers, SmallClustersAreStrayAndSmallBodiesAreNot) {
   std::vector<Vec3> points = sample_shape(ShapeKind::torus, 6000, 8);
   Random random(9);

@@ -186,17 +186,36 @@ class OutlierSearch {
     for (std::size_t n = 0; n < left.size(); ++n) kept_[left[n]] = keep[n];
   }
 
-  // Whether a sample lies in the planes of most of its neighbours, and these are kept.
+  // Whether a sample lies in the planes of most of its neighbours, these are kept, and it is within
+  // their surface, or not far beyond its edge.
   bool is_supported(Index sample) const {
     const Index* list = cloud_.neighbours_of(sample);
+    Index nearest = kNone;  // that is kept
     int support = 0;
+    Vec3 towards_kept = Vec3::Zero();
     for (int e = 1; e < cloud_.neighbour_count; ++e) {
       if (!kept_[list[e]]) continue;
-      const Vec3f d = (cloud_.position[sample] - cloud_.position[list[e]]).cast<float>();
-      const float height = d.dot(cloud_.normal[list[e]]);
-      support += height * height <= options_.slope * options_.slope * d.squaredNorm();
+      if (nearest == kNone) nearest = list[e];
+      const Vec3 d = cloud_.position[list[e]] - cloud_.position[sample];
+      towards_kept += d;
+      support += is_in_plane(d, list[e]);
     }
-    return support >= options_.support * (cloud_.neighbour_count - 1);
+    if (support < options_.support * (cloud_.neighbour_count - 1)) return false;
+    const double distance = (cloud_.position[nearest] - cloud_.position[sample]).norm();
+    if (distance <= options_.gap_at_edge * cloud_.local_spacing[nearest]) return true;
+    const auto goes_on_beyond = [&](Index other) {
+      const Vec3 d = cloud_.position[other] - cloud_.position[sample];
+      return d.dot(towards_kept) < 0.0 && is_in_plane(d, nearest);
+    };
+    return cloud_.search
+               .nearest_if(cloud_.position[sample], options_.reach_beyond_edge * distance,
+                           goes_on_beyond)
+               .index != kNone;
+  }
+  // By its slope, seen from a sample at `-d` from it.
+  bool is_in_plane(const Vec3& d, Index of_sample) const {
+    const double height = d.dot(cloud_.normal[of_sample].cast<double>());
+    return height * height <= options_.slope * options_.slope * d.squaredNorm();
   }
 
   // Whether a sample goes on a surface, by the spacing and the plane of the sample there: a patch

@@ -34,6 +34,11 @@ struct OutlierOptions {
   double slope = 0.25;  ///< height over the plane of a neighbour, x distance from it, at most
   double reach_going_on = 2.0;  ///< x spacing of that one; the slope is of this too
   double support = 0.6;         ///< part of the neighbours of which that is true, at least
+  // All planes go on beyond the edge of a sheet. A sample in those of its neighbours that is
+  // farther than `gap_at_edge` times the spacing of the nearest stays only if another lies in that
+  // plane on its other side, no farther than `reach_beyond_edge` times that distance.
+  double gap_at_edge = 3.0;
+  double reach_beyond_edge = 2.0;
 
   // A sample that is held is stray if it juts out of a patch that is flat without it.
   double height = 2.5;             ///< over the plane of its neighbours, x their spacing, at least
