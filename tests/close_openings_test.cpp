@@ -59,6 +59,7 @@ void expect_simple_borders(const CompleteMatching& matching, Index samples) {
 }
 
 TEST(Openings, HaveBordersWithoutPinchesAndLoseNoSample) {
+  Index kept_in_all = 0;
   for (const double part : {0.02, 0.1, 0.3, 0.6, 0.9})
     for (const unsigned seed : {1u, 2u, 3u}) {
       SCOPED_TRACE(::testing::Message() << "part " << part << ", seed " << seed);
@@ -74,18 +75,19 @@ TEST(Openings, HaveBordersWithoutPinchesAndLoseNoSample) {
       if (part < 0.05) {
         EXPECT_GT(matching.opening_faces.size(), 0u);
       }
-      // Some extra vertices had to stay, lest a sample be lost. Where samples are no islands, these
-      // go to their neighbours.
+      // Where samples are few, some extra vertices had to stay, lest one be lost that nothing joins
+      // to a border. These go to their neighbours.
       const auto extra = [&] {
         return extra_vertices_kept(matching.mesh, first_extra, matching.opening_faces);
       };
       const Index before = extra();
-      if (part > 0.2) {
-        EXPECT_GT(before, 0);
+      if (part < 0.8) {
+        EXPECT_EQ(before, 0);
       }
+      kept_in_all += before;
       matching.sample_of_vertex.assign(matching.mesh.position.size(), SampleId::none);
       close_openings(matching, first_extra, silent);
-      EXPECT_LE(extra(), part < 0.2 ? 0 : before / 2);
+      EXPECT_LE(extra(), before / 2);
       expect_simple_borders(matching, first_extra);
       expect_closed_manifold(matching.mesh, 1, 0);
       std::vector<Triangle> kept;
@@ -94,6 +96,7 @@ TEST(Openings, HaveBordersWithoutPinchesAndLoseNoSample) {
           kept.push_back(matching.mesh.triangle(f));
       EXPECT_EQ(self_intersecting_faces(matching.mesh.position, kept, silent).size(), 0u);
     }
+  EXPECT_GT(kept_in_all, 0) << "nothing to close";
 }
 
 TEST(Openings, AreClosedWithoutCuttingAnything) {

@@ -336,7 +336,8 @@ TEST_F(Sheet, HasABackThatNoSampleHoldsHoweverNear) {
   const CompleteMatching open = match_with(Openings::leave_open);
   EXPECT_EQ(open.report.membranes, 1);
   EXPECT_EQ(open.report.backs, 0);
-  EXPECT_LE(along.report.extra_vertices, open.report.extra_vertices);
+  EXPECT_EQ(along.report.extra_vertices, 0);
+  EXPECT_EQ(open.report.extra_vertices, 0);
   EXPECT_GT(open.opening_faces.size(), 100u);
   Index front = 0, back = 0;  // at the rim the surface turns
   for (Index f = 0; f < open.mesh.face_slots(); ++f)

@@ -103,6 +103,9 @@ TEST(MeshReport, AFlatComponentHasNoInside) {
     EXPECT_EQ(report.components_inside_out, 0);
     EXPECT_EQ(describe(report)[2], "Closed: yes, volume 0, 1 component is flat, without an inside");
   }
+  Mesh far;  // what its coordinates are rounded by counts as well
+  far.add(flat, Vec3(1000, 2000, 3001));
+  EXPECT_EQ(report_of(far).components_flat, 1);
   // Beside a body the side of the body counts, which is not far from flat, but surely none.
   Mesh body(icosphere(3));
   for (Vec3& p : body.positions) p.z() *= 1e-9;
@@ -111,6 +114,35 @@ TEST(MeshReport, AFlatComponentHasNoInside) {
   EXPECT_TRUE(report_of(flat).outward());
   EXPECT_FALSE(report_of(turned).outward());
   EXPECT_EQ(report_of(turned).components_flat, 1);
+  EXPECT_EQ(report_of(turned).components_inside_out, 1);
+}
+
+// As thin as it is long: its volume is far less than the product of its distances is rounded by.
+TEST(MeshReport, AThinTubeOfManyFacesHasAnInside) {
+  constexpr Index kRings = 5000, kSides = 6;
+  constexpr double kRadius = 1e-6;
+  Mesh tube;
+  for (Index ring = 0; ring < kRings; ++ring)
+    for (Index side = 0; side < kSides; ++side) {
+      const double angle = 2.0 * kPi * side / kSides;
+      tube.positions.emplace_back(kRadius * std::cos(angle), kRadius * std::sin(angle),
+                                  static_cast<double>(ring) / (kRings - 1));
+    }
+  const auto at = [](Index ring, Index side) { return ring * kSides + side % kSides; };
+  for (Index side = 0; side < kSides; ++side) {
+    for (Index ring = 0; ring + 1 < kRings; ++ring) {
+      tube.triangles.push_back({at(ring, side), at(ring, side + 1), at(ring + 1, side)});
+      tube.triangles.push_back({at(ring, side + 1), at(ring + 1, side + 1), at(ring + 1, side)});
+    }
+    if (side < 2 || side + 1 > kSides) continue;
+    tube.triangles.push_back({at(0, 0), at(0, side), at(0, side - 1)});
+    tube.triangles.push_back({at(kRings - 1, 0), at(kRings - 1, side - 1), at(kRings - 1, side)});
+  }
+  Mesh turned;
+  turned.add(tube, Vec3::Zero(), true);
+  EXPECT_TRUE(report_of(tube).outward());
+  EXPECT_EQ(report_of(tube).components_flat, 0);
+  EXPECT_FALSE(report_of(turned).outward());
   EXPECT_EQ(report_of(turned).components_inside_out, 1);
 }
 
@@ -209,11 +241,19 @@ TEST(MeshReport, Faults) {
   {
     SCOPED_TRACE("coordinates that are none");
     Mesh mesh = sphere;
-    mesh.positions[0].x() = std::numeric_limits<double>::quiet_NaN();
+    mesh.positions[mesh.triangles[0][0]].x() = std::numeric_limits<double>::quiet_NaN();
     const MeshReport report = report_of(mesh, sphere.positions);
     EXPECT_EQ(report.vertices_extra, 1);
     EXPECT_EQ(report.samples_missing, 1);
     EXPECT_TRUE(std::isfinite(report.volume));
+    Mesh turned;
+    turned.add(mesh, Vec3::Zero(), true);
+    for (const Mesh& either : {mesh, turned}) EXPECT_EQ(report_of(either).components_flat, 0);
+    EXPECT_TRUE(report_of(mesh).outward());
+    EXPECT_FALSE(report_of(turned).outward());
+    for (Vec3& p : mesh.positions) p.x() = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_EQ(report_of(mesh).components_flat, 0);
+    EXPECT_FALSE(report_of(mesh).outward());
   }
   {
     SCOPED_TRACE("spheres that cut");

@@ -175,6 +175,38 @@ TEST(Openings, NoSampleLosesItsLastFace) {
   EXPECT_GT(kept, 0);
 }
 
+// They are joined to its border: no vertex that is no sample stays for their sake, and no fan of
+// wide faces.
+TEST(Openings, WithSamplesInTheirMiddleHaveOneBorder) {
+  const double spacing = std::sqrt(4.0 * kPi / kSamples);
+  std::vector<Vec3> points = sample_shape_blue_noise(ShapeKind::sphere, kSamples, 3);
+  points.erase(
+      std::remove_if(points.begin(), points.end(),
+                     [&](const Vec3& p) { return p.z() > 1.0 - 0.5 * 400.0 * spacing * spacing; }),
+      points.end());
+  points.emplace_back(0.0, 0.0, 1.0);
+  points.emplace_back(Vec3(8.0 * spacing, 3.0 * spacing, 0.9).normalized());
+  ReconstructionOptions options;
+  options.outliers.exclude = false;
+  options.complete_matching.widest_opening = 12.0;
+  for (const auto openings : {CompleteMatchingOptions::Openings::leave_open,
+                              CompleteMatchingOptions::Openings::automatic}) {
+    SCOPED_TRACE(static_cast<int>(openings));
+    options.complete_matching.openings = openings;
+    Progress silent;
+    const Reconstruction result = reconstruct(points, options, silent);
+    EXPECT_TRUE(result.report.complete_matching() && result.report.manifold());
+    EXPECT_EQ(result.report.border_loops, 1);
+    EXPECT_EQ(result.report.components, 1);
+    EXPECT_GE(result.openings.spanned, 1);
+    const auto wide = std::count_if(
+        result.mesh.triangles.begin(), result.mesh.triangles.end(),
+        [&](const Triangle& t) { return longest_edge(result.mesh, t) > 5.0 * result.spacing; });
+    EXPECT_GE(wide, 1);
+    EXPECT_LE(wide, 2);
+  }
+}
+
 TEST(Openings, NotchesInTheirBordersAreFilledWhenTheyAreDecided) {
   // All faces around two neighbouring samples of a round border but one, which leaves a notch.
   SurfaceMesh mesh = icosphere(3);

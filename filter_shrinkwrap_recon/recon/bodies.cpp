@@ -105,60 +105,71 @@ std::vector<Crossing> find_crossings(const std::vector<Probe>& probes,
       });
 }
 
-// Of a face and an apex, six times: its signed volume, and the product of the distances of its
-// corners, of which the volume is off by a few roundings.
-struct Tetrahedron {
+// Of faces and an apex, six times: the signed volume between them, and what its rounding is a few
+// bits of, that of the coordinates included.
+struct VolumeSum {
   double volume = 0.0, size = 0.0;
+  bool is_finite = true;  // all of its faces
 
-  Tetrahedron& operator+=(const Tetrahedron& other) {
+  VolumeSum& operator+=(const VolumeSum& other) {
     volume += other.volume;
     size += other.size;
+    is_finite = is_finite && other.is_finite;
     return *this;
   }
 };
 
-Tetrahedron tetrahedron_of(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Tetrahedron all{a.dot(b.cross(c)), a.norm() * b.norm() * c.norm()};
-  return std::isfinite(all.volume) && std::isfinite(all.size) ? all : Tetrahedron();
+VolumeSum volume_under(const Vec3& apex, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 edge = b - a, other = c - a, from_apex = a - apex;
+  VolumeSum sum;
+  sum.volume = from_apex.dot(edge.cross(other));
+  sum.size = edge.norm() * other.norm() * (from_apex.norm() + a.norm());
+  return std::isfinite(sum.volume) && std::isfinite(sum.size) ? sum : VolumeSum{0.0, 0.0, false};
 }
 
 }  // namespace
 
-std::vector<double> signed_volumes(const std::vector<Vec3>& position,
-                                   const std::vector<Triangle>& triangles,
-                                   const std::vector<Index>& component_of_face, Index components,
-                                   double scale, Progress& progress) {
+ComponentVolumes signed_volumes(const std::vector<Vec3>& position,
+                                const std::vector<Triangle>& triangles,
+                                const std::vector<Index>& component_of_face, Index components,
+                                double scale, Progress& progress) {
   constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
   // From a vertex of their own: a small component far from the others has a small volume too.
   std::vector<Index> apex(static_cast<std::size_t>(components), kNone);
-  for (std::size_t f = 0; f < triangles.size(); ++f)
-    if (Index& own = apex[component_of_face[f]]; own == kNone) own = triangles[f][0];
+  for (std::size_t f = 0; f < triangles.size(); ++f) {
+    Index& own = apex[component_of_face[f]];
+    for (const Index v : triangles[f])
+      if (own == kNone && position[v].allFinite()) own = v;
+  }
   // Block by block; most blocks lie in one component.
   struct Part {
     Index component;
-    Tetrahedron sum;
+    VolumeSum sum;
   };
-  const std::vector<Part> parts =
-      parallel_collect<Part>(static_cast<Index>(triangles.size()), kGrain, progress,
-                             [&](Index begin, Index end, std::vector<Part>& some) {
-                               for (Index f = begin; f < end; ++f) {
-                                 const Index component = component_of_face[f];
-                                 if (some.empty() || some.back().component != component)
-                                   some.push_back({component, {}});
-                                 const auto& [a, b, c] = triangles[f];
-                                 const Vec3 origin = scale * position[apex[component]];
-                                 some.back().sum += tetrahedron_of(scale * position[a] - origin,
-                                                                   scale * position[b] - origin,
-                                                                   scale * position[c] - origin);
-                               }
-                             });
-  std::vector<Tetrahedron> sum(static_cast<std::size_t>(components));
+  const std::vector<Part> parts = parallel_collect<Part>(
+      static_cast<Index>(triangles.size()), kGrain, progress,
+      [&](Index begin, Index end, std::vector<Part>& some) {
+        for (Index f = begin; f < end; ++f) {
+          const Index component = component_of_face[f];
+          if (some.empty() || some.back().component != component) some.push_back({component, {}});
+          if (apex[component] == kNone) {
+            some.back().sum.is_finite = false;
+            continue;
+          }
+          const auto& [a, b, c] = triangles[f];
+          some.back().sum += volume_under(scale * position[apex[component]], scale * position[a],
+                                          scale * position[b], scale * position[c]);
+        }
+      });
+  std::vector<VolumeSum> sum(static_cast<std::size_t>(components));
   for (const Part& part : parts) sum[part.component] += part.sum;
-  std::vector<double> volume(sum.size());
-  std::transform(sum.begin(), sum.end(), volume.begin(), [&](const Tetrahedron& all) {
-    return std::abs(all.volume) > kRounding * all.size ? all.volume / 6.0 : 0.0;
-  });
-  return volume;
+  ComponentVolumes result;
+  for (const VolumeSum& all : sum) {
+    const bool is_flat = all.is_finite && !(std::abs(all.volume) > kRounding * all.size);
+    result.volume.push_back(is_flat ? 0.0 : all.volume / 6.0);
+    result.flat += is_flat ? 1 : 0;
+  }
+  return result;
 }
 
 ComponentSides find_sides(const std::vector<Vec3>& position, const std::vector<Triangle>& triangles,
@@ -215,7 +226,8 @@ Index turn_outward(SurfaceMesh& mesh, const std::vector<Index>& opening_faces, P
   for (std::size_t f = 0; f < triangles.size(); ++f)
     component_of_face[f] = components.of_vertex[triangles[f][0]];
   std::vector<double> volume =
-      signed_volumes(mesh.position, triangles, component_of_face, components.count, 1.0, progress);
+      signed_volumes(mesh.position, triangles, component_of_face, components.count, 1.0, progress)
+          .volume;
   for (const Index f : opening_faces) volume[component_of_face[f]] = 0.0;
 
   const std::vector<Index> inside_out =

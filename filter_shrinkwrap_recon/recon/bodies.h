@@ -8,15 +8,20 @@
 
 namespace shrinkwrap {
 
-/// The signed volume of each closed component, times the cube of `scale`, which should be a power
-/// of two and bring the coordinates to a moderate size. 0 for a flat component: one of less volume
-/// than its sum is rounded by (8 bits in the last place of each term), which has no inside. What is
-/// not finite counts as nothing. O(F), parallel, the same for any number of threads.
-/// `component_of_face`: below `components`.
-std::vector<double> signed_volumes(const std::vector<Vec3>& position,
-                                   const std::vector<Triangle>& triangles,
-                                   const std::vector<Index>& component_of_face, Index components,
-                                   double scale, Progress& progress);
+struct ComponentVolumes {
+  std::vector<double> volume;  ///< signed, 0 of a flat component
+  Index flat = 0;              ///< components of less volume than its sum is rounded by
+};
+
+/// The volumes of closed components, times the cube of `scale`, which should be a power of two and
+/// bring the coordinates to a moderate size. A flat component has no inside: moving its faces by
+/// eight roundings of their coordinates changes its volume by as much as it has. Faces that are not
+/// finite count as nothing, and components with such faces not as flat. O(F), parallel, the same
+/// for any number of threads. `component_of_face`: below `components`.
+ComponentVolumes signed_volumes(const std::vector<Vec3>& position,
+                                const std::vector<Triangle>& triangles,
+                                const std::vector<Index>& component_of_face, Index components,
+                                double scale, Progress& progress);
 
 struct ComponentSides {
   std::vector<Index> cavities;    ///< within the solid of others, whichever way they face

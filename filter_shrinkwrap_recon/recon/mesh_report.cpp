@@ -222,21 +222,26 @@ int moderating_exponent(const std::vector<Vec3>& positions) {
   return greatest > 0.0 ? std::clamp(-std::ilogb(greatest), -kMost, kMost) : 0;
 }
 
-// Of a closed mesh. Components are named by their lowest face.
+// Of a closed mesh.
 void measure_volume(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles,
                     const Components& components, MeshReport& report, Progress& progress) {
   const int exponent = moderating_exponent(positions);
-  const Index faces = static_cast<Index>(triangles.size());
-  const std::vector<double> volume = signed_volumes(positions, triangles, components.of_face, faces,
-                                                    std::ldexp(1.0, exponent), progress);
-  const double sum = std::accumulate(volume.begin(), volume.end(), 0.0);
+  // Components are named by their lowest face: here they are numbered.
+  std::vector<Index> component(components.of_face.size());
+  Index count = 0;
+  for (std::size_t f = 0; f < component.size(); ++f) {
+    const auto lowest = static_cast<std::size_t>(components.of_face[f]);
+    component[f] = lowest == f ? count++ : component[lowest];
+  }
+  const ComponentVolumes volumes =
+      signed_volumes(positions, triangles, component, count, std::ldexp(1.0, exponent), progress);
+  const double sum = std::accumulate(volumes.volume.begin(), volumes.volume.end(), 0.0);
   report.volume = std::ldexp(sum, -3 * exponent);
   report.volume_is_positive = sum > 0.0;
-  for (Index f = 0; f < faces; ++f)
-    report.components_flat += components.of_face[f] == f && volume[f] == 0.0 ? 1 : 0;
+  report.components_flat = volumes.flat;
   if (!report.manifold()) return;
   const ComponentSides sides =
-      find_sides(positions, triangles, components.of_face, volume, progress);
+      find_sides(positions, triangles, component, volumes.volume, progress);
   report.cavities = static_cast<Index>(sides.cavities.size());
   report.components_inside_out = static_cast<Index>(sides.inside_out.size());
 }

@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "border_notches.h"
+#include "isolated_samples.h"
 #include "sort_unique.h"
 #include "triangle_geometry.h"
 
@@ -142,6 +143,27 @@ std::vector<Index> marked_faces(const std::vector<char>& is_marked) {
   return faces;
 }
 
+std::vector<Index> united(const std::vector<Index>& a, const std::vector<Index>& b) {
+  std::vector<Index> both;
+  std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
+  return both;
+}
+
+// Drops the faces that are to be dropped, a few more or less: those that borders pinch off go too,
+// and samples that have no face left are joined to a border, or keep theirs. What stays so that no
+// sample is lost spans an opening all the same. Returns the number of samples joined.
+std::size_t drop(CompleteMatching& matching, Index samples, const std::vector<Index>& wanted,
+                 Progress& progress) {
+  SurfaceMesh& mesh = matching.mesh;
+  std::vector<char> is_dropped(static_cast<std::size_t>(mesh.face_slots()), 0);
+  for (const Index f : cut_openings(mesh, wanted, 0, progress)) is_dropped[f] = 1;
+  const std::vector<Index> joining = join_isolated_samples(mesh, samples, is_dropped, progress);
+  matching.opening_faces = cut_openings(mesh, marked_faces(is_dropped), samples, progress);
+  for (const std::vector<Index>& more : {wanted, joining, matching.opening_faces})
+    matching.spanning_faces = united(matching.spanning_faces, more);
+  return joining.size();
+}
+
 double longest_edge(const SurfaceMesh& mesh, Index f) {
   const Triangle t = mesh.triangle(f);
   return shrinkwrap::longest_edge(mesh.position[t[0]], mesh.position[t[1]], mesh.position[t[2]]);
@@ -157,11 +179,10 @@ void leave_openings(CompleteMatching& matching, const PointCloud& cloud, Progres
     is_dropped[f] = std::max({t[0], t[1], t[2]}) >= cloud.size();
   }
   matching.report.notches_filled = fill_border_notches(mesh, cloud, is_dropped, progress);
+  const std::size_t joined = drop(matching, cloud.size(), marked_faces(is_dropped), progress);
   // As it is when it comes back from a layer: later stages depend on where the one-rings begin.
-  if (matching.report.notches_filled > 0)
+  if (matching.report.notches_filled > 0 || joined > 0)
     mesh = SurfaceMesh::from_triangles(std::move(mesh.position), mesh.triangles());
-  matching.opening_faces = cut_openings(mesh, marked_faces(is_dropped), cloud.size(), progress);
-  matching.spanning_faces = matching.opening_faces;
 }
 
 std::vector<Index> cut_openings(const SurfaceMesh& mesh, const std::vector<Index>& faces,
@@ -200,9 +221,9 @@ OpeningsReport decide_openings(CompleteMatching& matching, const PointCloud& clo
   report.notches_filled = matching.report.notches_filled;
   if (spanning.empty()) return report;
   if (options.openings == CompleteMatchingOptions::Openings::leave_open) {
-    // As leave_openings made them, unless the mesh comes from elsewhere.
-    matching.opening_faces = cut_openings(mesh, spanning, cloud.size(), progress);
-    spanning = matching.opening_faces;
+    // As leave_openings made them or nearly so, which the mesh as it is now, and as it comes from a
+    // layer, tells as well.
+    drop(matching, cloud.size(), std::vector<Index>(spanning), progress);
     measure_openings(matching, cloud.spacing, report);
     return report;
   }
@@ -228,16 +249,8 @@ OpeningsReport decide_openings(CompleteMatching& matching, const PointCloud& clo
       else
         spanned.push_back(spanning[i]);
     report.notches_filled = fill_border_notches(mesh, cloud, is_wide, progress);
-    matching.opening_faces = cut_openings(mesh, marked_faces(is_wide), cloud.size(), progress);
-    // A wide face that stays so that no sample is lost spans an opening all the same.
-    std::vector<Index> wide = marked_faces(is_wide), both;
-    for (const std::vector<Index>* more : {&wide, &matching.opening_faces}) {
-      both.clear();
-      std::set_union(spanned.begin(), spanned.end(), more->begin(), more->end(),
-                     std::back_inserter(both));
-      spanned = both;
-    }
     spanning = std::move(spanned);
+    drop(matching, cloud.size(), marked_faces(is_wide), progress);
   }
   measure_openings(matching, cloud.spacing, report);
   return report;

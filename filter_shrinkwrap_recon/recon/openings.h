@@ -16,17 +16,18 @@ struct OpeningsReport {
 };
 
 /// Makes membranes openings with clean borders, whose notches are filled (border_notches.h). The
-/// faces to drop, `opening_faces` (and `spanning_faces`), are those that hold a vertex beyond the
-/// samples, and a few more or less, so that every vertex has one fan of faces left, and every
-/// sample at least one face. Counts the notches in `report`. Pre: closed mesh, vertex i below
+/// faces to drop, `opening_faces`, are those that hold a vertex beyond the samples, and a few more
+/// or less, so that every vertex has one fan of faces left, and every sample at least one face
+/// (isolated_samples.h). `spanning_faces` are these, and those that stay for the sake of a sample.
+/// Counts the notches in `report`. Pre: closed mesh, vertex i below
 /// `cloud.size()` is sample i.
 void leave_openings(CompleteMatching& matching, const PointCloud& cloud, Progress& progress);
 
 /// For Openings::automatic: of the patches that span openings, those with an edge longer than
 /// `widest_opening` spacings become openings with clean borders, whose notches are filled. Fills in
-/// `opening_faces`, and adds these to `spanning_faces`. For Openings::leave_open all of them do,
-/// with clean borders. Otherwise only counts. Pre: the mesh is closed, vertex i below
-/// `cloud.size()` is sample i. O(F) where something spans.
+/// `opening_faces`, and adds these to `spanning_faces`, as well as those that stay for the sake of
+/// a sample. For Openings::leave_open all of them do, with clean borders. Otherwise only counts.
+/// Pre: the mesh is closed, vertex i below `cloud.size()` is sample i. O(F) where something spans.
 OpeningsReport decide_openings(CompleteMatching& matching, const PointCloud& cloud,
                                const CompleteMatchingOptions& options, Progress& progress);
 

@@ -200,19 +200,19 @@ class OutlierSearch {
       towards_kept += d;
       support += is_in_plane(d, list[e]);
     }
-    if (support < options_.support * (cloud_.neighbour_count - 1)) return false;
+    if (nearest == kNone || support < options_.support * (cloud_.neighbour_count - 1)) return false;
     const double distance = (cloud_.position[nearest] - cloud_.position[sample]).norm();
     if (distance <= options_.gap_at_edge * cloud_.local_spacing[nearest]) return true;
     const auto goes_on_beyond = [&](Index other) {
       const Vec3 d = cloud_.position[other] - cloud_.position[sample];
-      return d.dot(towards_kept) < 0.0 && is_in_plane(d, nearest);
+      return other != sample && d.dot(towards_kept) <= 0.0 && is_in_plane(d, nearest);
     };
     return cloud_.search
                .nearest_if(cloud_.position[sample], options_.reach_beyond_edge * distance,
                            goes_on_beyond)
                .index != kNone;
   }
-  // By its slope, seen from a sample at `-d` from it.
+  // Whether two places `d` apart lie in one plane parallel to that of a sample, by the slope.
   bool is_in_plane(const Vec3& d, Index of_sample) const {
     const double height = d.dot(cloud_.normal[of_sample].cast<double>());
     return height * height <= options_.slope * options_.slope * d.squaredNorm();

@@ -35,8 +35,9 @@ struct OutlierOptions {
   double reach_going_on = 2.0;  ///< x spacing of that one; the slope is of this too
   double support = 0.6;         ///< part of the neighbours of which that is true, at least
   // All planes go on beyond the edge of a sheet. A sample in those of its neighbours that is
-  // farther than `gap_at_edge` times the spacing of the nearest stays only if another lies in that
-  // plane on its other side, no farther than `reach_beyond_edge` times that distance.
+  // farther than `gap_at_edge` times the spacing of the nearest stays only if another, stray or
+  // not, lies in that plane on its other side, no farther than `reach_beyond_edge` times that
+  // distance.
   double gap_at_edge = 3.0;
   double reach_beyond_edge = 2.0;
 
