@@ -144,7 +144,8 @@ Parameter openings() {
       "(where the run stops at the parametric surface, with a membrane stretched between their "
       "rims), and the mesh is watertight. Their face quality tells these faces from others: "
       "the longest edge in sample spacings, 0 elsewhere.<br><b>Leave open</b> takes "
-      "these faces away, and the mesh has a border there.<br><b>Automatic</b> spans "
+      "these faces away, and the mesh has a border there, to which one face joins a point in the "
+      "middle of the opening.<br><b>Automatic</b> spans "
       "openings up to a width, see below, and leaves wider ones open: of terrain and of "
       "scenes, shadows are closed and the outline is not.");
 }
