@@ -198,14 +198,15 @@ class OutlierSearch {
       if (nearest == kNone) nearest = list[e];
       const Vec3 d = cloud_.position[list[e]] - cloud_.position[sample];
       towards_kept += d;
-      support += is_in_plane(d, list[e]);
+      support += is_in_plane(d, list[e], options_.slope);
     }
     if (nearest == kNone || support < options_.support * (cloud_.neighbour_count - 1)) return false;
     const double distance = (cloud_.position[nearest] - cloud_.position[sample]).norm();
     if (distance <= options_.gap_at_edge * cloud_.local_spacing[nearest]) return true;
     const auto goes_on_beyond = [&](Index other) {
       const Vec3 d = cloud_.position[other] - cloud_.position[sample];
-      return other != sample && d.dot(towards_kept) <= 0.0 && is_in_plane(d, nearest);
+      return other != sample && d.dot(towards_kept) <= 0.0 &&
+             is_in_plane(d, nearest, options_.slope_beyond_edge);
     };
     return cloud_.search
                .nearest_if(cloud_.position[sample], options_.reach_beyond_edge * distance,
@@ -213,9 +214,9 @@ class OutlierSearch {
                .index != kNone;
   }
   // Whether two places `d` apart lie in one plane parallel to that of a sample, by the slope.
-  bool is_in_plane(const Vec3& d, Index of_sample) const {
+  bool is_in_plane(const Vec3& d, Index of_sample, double slope) const {
     const double height = d.dot(cloud_.normal[of_sample].cast<double>());
-    return height * height <= options_.slope * options_.slope * d.squaredNorm();
+    return height * height <= slope * slope * d.squaredNorm();
   }
 
   // Whether a sample goes on a surface, by the spacing and the plane of the sample there: a patch

@@ -36,10 +36,11 @@ struct OutlierOptions {
   double support = 0.6;         ///< part of the neighbours of which that is true, at least
   // All planes go on beyond the edge of a sheet. A sample in those of its neighbours that is
   // farther than `gap_at_edge` times the spacing of the nearest stays only if another, stray or
-  // not, lies in that plane on its other side, no farther than `reach_beyond_edge` times that
-  // distance.
+  // not, lies on its other side, no farther than `reach_beyond_edge` times that distance, and about
+  // in that plane: surfaces turn on so long a way.
   double gap_at_edge = 3.0;
   double reach_beyond_edge = 2.0;
+  double slope_beyond_edge = 0.5;  ///< as `slope`
 
   // A sample that is held is stray if it juts out of a patch that is flat without it.
   double height = 2.5;             ///< over the plane of its neighbours, x their spacing, at least
