@@ -174,6 +174,24 @@ TEST(FilterRuns, ChainThatFillsNotchesGivesTheBytesOfTheOneShot) {
 }
 
 // The matching makes them samples again, and the stages after it find them among the vertices.
+// Samples in the middle of a wide opening, which are joined to its border one to another.
+TEST(FilterRuns, ChainThatJoinsIsolatedSamplesGivesTheBytesOfTheOneShot) {
+  FilterInput input;
+  Random random(5);
+  for (const Vec3& p : sample_shape_blue_noise(ShapeKind::sphere, 3000, 5))
+    if (p.z() < 0.3 || random.uniform() < 0.02) input.points.push_back(p);
+  input.points = in_single_precision(input.points);
+  for (const double openings : {1.0, 2.0}) {
+    SCOPED_TRACE(openings);
+    const ParameterValues changed = {
+        {"Openings", openings}, {"WidestOpening", 8}, {"ExcludeOutliers", 0}};
+    const FilterOutcome one_shot = run(Filter::reconstruct, input, changed);
+    EXPECT_GE(std::get<Index>(one_shot.figures.at("border_loops")), 1);
+    EXPECT_EQ(std::get<Index>(one_shot.figures.at("extra_vertices")), 0);
+    expect_same_bytes(one_shot.mesh, run_chain(input.points, changed).mesh);
+  }
+}
+
 TEST(FilterRuns, ChainThatKeepsOutliersGivesTheBytesOfTheOneShot) {
   const Vec3 stray(0.5, 0.5, 1.25);
   FilterInput input;

@@ -139,7 +139,7 @@ ComponentVolumes signed_volumes(const std::vector<Vec3>& position,
   for (std::size_t f = 0; f < triangles.size(); ++f) {
     Index& own = apex[component_of_face[f]];
     for (const Index v : triangles[f])
-      if (own == kNone && position[v].allFinite()) own = v;
+      if (own == kNone || !position[own].allFinite()) own = v;
   }
   // Block by block; most blocks lie in one component.
   struct Part {
@@ -152,10 +152,6 @@ ComponentVolumes signed_volumes(const std::vector<Vec3>& position,
         for (Index f = begin; f < end; ++f) {
           const Index component = component_of_face[f];
           if (some.empty() || some.back().component != component) some.push_back({component, {}});
-          if (apex[component] == kNone) {
-            some.back().sum.is_finite = false;
-            continue;
-          }
           const auto& [a, b, c] = triangles[f];
           some.back().sum += volume_under(scale * position[apex[component]], scale * position[a],
                                           scale * position[b], scale * position[c]);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include "border_notches.h"
 #include "isolated_samples.h"
@@ -143,12 +144,6 @@ std::vector<Index> marked_faces(const std::vector<char>& is_marked) {
   return faces;
 }
 
-std::vector<Index> united(const std::vector<Index>& a, const std::vector<Index>& b) {
-  std::vector<Index> both;
-  std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
-  return both;
-}
-
 // Drops the faces that are to be dropped, a few more or less: those that borders pinch off go too,
 // and samples that have no face left are joined to a border, or keep theirs. What stays so that no
 // sample is lost spans an opening all the same. Returns the number of samples joined.
@@ -159,8 +154,15 @@ std::size_t drop(CompleteMatching& matching, Index samples, const std::vector<In
   for (const Index f : cut_openings(mesh, wanted, 0, progress)) is_dropped[f] = 1;
   const std::vector<Index> joining = join_isolated_samples(mesh, samples, is_dropped, progress);
   matching.opening_faces = cut_openings(mesh, marked_faces(is_dropped), samples, progress);
-  for (const std::vector<Index>& more : {wanted, joining, matching.opening_faces})
-    matching.spanning_faces = united(matching.spanning_faces, more);
+  std::vector<Index> spanning = wanted;
+  const auto add = [&](const std::vector<Index>& faces) {
+    spanning.insert(spanning.end(), faces.begin(), faces.end());
+  };
+  add(joining);
+  add(matching.opening_faces);
+  add(matching.spanning_faces);
+  sort_unique(spanning);
+  matching.spanning_faces = std::move(spanning);
   return joining.size();
 }
 
@@ -221,9 +223,8 @@ OpeningsReport decide_openings(CompleteMatching& matching, const PointCloud& clo
   report.notches_filled = matching.report.notches_filled;
   if (spanning.empty()) return report;
   if (options.openings == CompleteMatchingOptions::Openings::leave_open) {
-    // As leave_openings made them or nearly so, which the mesh as it is now, and as it comes from a
-    // layer, tells as well.
-    drop(matching, cloud.size(), std::vector<Index>(spanning), progress);
+    // Whether leave_openings has made them or they come back from a layer: so both give the same.
+    drop(matching, cloud.size(), spanning, progress);
     measure_openings(matching, cloud.spacing, report);
     return report;
   }

@@ -19,8 +19,7 @@ struct OpeningsReport {
 /// faces to drop, `opening_faces`, are those that hold a vertex beyond the samples, and a few more
 /// or less, so that every vertex has one fan of faces left, and every sample at least one face
 /// (isolated_samples.h). `spanning_faces` are these, and those that stay for the sake of a sample.
-/// Counts the notches in `report`. Pre: closed mesh, vertex i below
-/// `cloud.size()` is sample i.
+/// Counts the notches in `report`. Pre: closed mesh, vertex i below `cloud.size()` is sample i.
 void leave_openings(CompleteMatching& matching, const PointCloud& cloud, Progress& progress);
 
 /// For Openings::automatic: of the patches that span openings, those with an edge longer than
