@@ -1,6 +1,7 @@
 // What most stages start from.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "neighbourhoods.h"
@@ -18,8 +19,8 @@ inline PointCloud oriented_cloud(const std::vector<Vec3>& points) {
 }
 
 /// The same, but every `stride`-th normal is that of one plane, be the neighbours of both sides of
-/// a wall or not (parallel_sheets.h), or of two faces (crease_planes.h): walls as thin as that have
-/// bridges and tunnels then.
+/// a wall or not (parallel_sheets.h, pole_normals.h), or of two faces (crease_planes.h): walls as
+/// thin as that have bridges and tunnels then.
 inline PointCloud cloud_with_askew_normals(const std::vector<Vec3>& points, int stride) {
   Progress silent;
   PointCloud cloud = prepare_samples(points, {}, silent);
@@ -27,6 +28,7 @@ inline PointCloud cloud_with_askew_normals(const std::vector<Vec3>& points, int 
       find_neighbourhoods(cloud.position, cloud.search, cloud.neighbour_count, silent);
   for (Index i = 0; i < cloud.size(); i += stride) cloud.normal[i] = around.normal[i];
   OrientationOptions as_they_are;
+  as_they_are.poles.least_deviation = INFINITY;
   as_they_are.most_noise_at_creases = -1.0;
   orient_normals(cloud, as_they_are, silent);
   return cloud;

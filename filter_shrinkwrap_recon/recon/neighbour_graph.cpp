@@ -41,18 +41,6 @@ float scatter_at(const PointCloud& cloud, Index sample) {
          (kHalfNormal * cloud.local_spacing[sample]);
 }
 
-float noise_of(const PointCloud& cloud, Progress& progress) {
-  const Index stride = cloud.size() / kProbes + 1;
-  std::vector<float> scatter(static_cast<std::size_t>(block_count(cloud.size(), stride)));
-  if (scatter.empty()) return 0.0f;
-  parallel_for_each(static_cast<Index>(scatter.size()), kGrain, progress,
-                    [&](Index probe) { scatter[probe] = scatter_at(cloud, probe * stride); });
-  const auto evenest =
-      scatter.begin() + static_cast<std::ptrdiff_t>(kEvenest * static_cast<double>(scatter.size()));
-  std::nth_element(scatter.begin(), evenest, scatter.end());
-  return *evenest;
-}
-
 std::vector<int> places_of_edges(const PointCloud& cloud, int neighbours) {
   const int most = std::max(cloud.neighbour_count - 1, 0);
   const int count = std::min(std::max(neighbours, 1), most);
@@ -64,10 +52,22 @@ std::vector<int> places_of_edges(const PointCloud& cloud, int neighbours) {
 
 }  // namespace
 
+float scatter_of_samples(const PointCloud& cloud, Progress& progress) {
+  const Index stride = cloud.size() / kProbes + 1;
+  std::vector<float> scatter(static_cast<std::size_t>(block_count(cloud.size(), stride)));
+  if (scatter.empty()) return 0.0f;
+  parallel_for_each(static_cast<Index>(scatter.size()), kGrain, progress,
+                    [&](Index probe) { scatter[probe] = scatter_at(cloud, probe * stride); });
+  const auto evenest =
+      scatter.begin() + static_cast<std::ptrdiff_t>(kEvenest * static_cast<double>(scatter.size()));
+  std::nth_element(scatter.begin(), evenest, scatter.end());
+  return *evenest;
+}
+
 NeighbourGraph::NeighbourGraph(const PointCloud& cloud, int neighbours, Progress& progress)
     : cloud_(cloud),
       places_(places_of_edges(cloud, neighbours)),
-      noise_(noise_of(cloud, progress)),
+      noise_(scatter_of_samples(cloud, progress)),
       has_steps_(finds_steps(progress)) {}
 
 // From the foot of one sample on the plane of another to the neighbours of this one in its sheet:

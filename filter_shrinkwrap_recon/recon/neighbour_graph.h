@@ -9,6 +9,10 @@
 
 namespace shrinkwrap {
 
+/// How far the samples scatter about the surface where that is evenest, x local spacing: along the
+/// normals, whatever their signs. The same for any number of threads.
+float scatter_of_samples(const PointCloud& cloud, Progress& progress);
+
 /// Joins every sample with its nearest neighbours, and tells how surely two of them look to the
 /// same side.
 class NeighbourGraph {
@@ -21,7 +25,7 @@ class NeighbourGraph {
 
   Index sample_count() const { return cloud_.size(); }
   int neighbours() const { return static_cast<int>(places_.size()); }
-  /// How far the samples scatter about the surface where that is evenest, x local spacing.
+  /// See scatter_of_samples.
   float noise() const { return noise_; }
 
   /// Calls `body(b)` for neighbours of `a`, so that over all `a` each edge comes once.

@@ -325,7 +325,11 @@ OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& op
                                  Progress& progress) {
   progress.begin(Stage::orientation);
   OrientationReport report;
-  progress.set_range(0.0, 0.25);
+  progress.set_range(0.0, 0.05);
+  if (!cloud.conditioning.on_lines)
+    report.poled =
+        fit_pole_normals(cloud, scatter_of_samples(cloud, progress), options.poles, progress);
+  progress.set_range(0.05, 0.25);
   SampleVotes votes =
       draw_samples(cloud, options, options.propagation_samples, options.view_directions, progress);
   progress.set_range(0.25, 0.6);

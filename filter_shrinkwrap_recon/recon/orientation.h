@@ -4,6 +4,7 @@
 
 #include "crease_planes.h"
 #include "point_cloud.h"
+#include "pole_normals.h"
 #include "spanning_forest.h"
 
 namespace shrinkwrap {
@@ -24,6 +25,7 @@ struct OrientationOptions {
   Index judging_samples = 2000000;  ///< ... and for those that judge what came of it, from
   int judging_directions = 24;      ///< so many directions
   double judging_weight = 3.0;      ///< of their votes: see `votes_against`
+  PoleNormalOptions poles;
   SignOptions signs;
   CreasePlaneOptions creases;
   double most_noise_at_creases = 0.06;  ///< of clouds with more (NeighbourGraph::noise) the planes
@@ -35,18 +37,20 @@ struct OrientationReport {
   Index enclosed_components =
       0;  ///< nobody sees them from outside, but through others: walls of cavities, and the like
   Index undecided_components = 0;  ///< seen as much from one side as from the other: open sheets
+  Index poled = 0;                 ///< samples whose normals became the ways to their poles
   Index creased = 0;               ///< samples whose planes became those of faces at an edge
   double closedness = 1.0;         ///< of the whole cloud: PointCloud::closedness
 };
 
-/// Gives the normals of the cloud a consistent outward sign: along the spanning tree of the surest
-/// edges (Hoppe et al. 1992, with another measure of sureness: neighbour_graph.h), or, where less
-/// goes against them, the signs on which all edges and views agree best (sign_agreement.h). Then
-/// one sign per connected component of the graph from visibility: the side that more orthographic
-/// views see is outside. Components that nobody sees, or that are seen only through others
-/// (VisibilityVote::foremost), are drawn again without those that were seen: where the winding
-/// number of these says that they lie within the body they bound a cavity, else a body of their
-/// own, in a cavity or behind others.
+/// Gives the normals of the cloud a consistent outward sign. Before that, those of thin parts
+/// become the ways to the poles of their samples (pole_normals.h). Signs are found along the
+/// spanning tree of the surest edges (Hoppe et al. 1992, with another measure of sureness:
+/// neighbour_graph.h), or, where less goes against them, the signs on which all edges and views
+/// agree best (sign_agreement.h). Then one sign per connected component of the graph from
+/// visibility: the side that more orthographic views see is outside. Components that nobody sees,
+/// or that are seen only through others (VisibilityVote::foremost), are drawn again without those
+/// that were seen: where the winding number of these says that they lie within the body they bound
+/// a cavity, else a body of their own, in a cavity or behind others.
 ///
 /// Views are trusted as far as a component is closed (VisibilityVote::trust): what stands on an
 /// open sheet, such as the ground, hides its front. Of a sheet it counts too how convex it is, seen

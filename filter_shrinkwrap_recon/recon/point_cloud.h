@@ -72,7 +72,8 @@ class PointCloud {
   VoxelSearch search;            ///< of `position`
   std::vector<Vec3f> normal;     ///< of the plane that fits the k neighbours best, or of two
                                  ///< (parallel_sheets.h); sign arbitrary until `orient_normals`,
-                                 ///< then, beside edges, of one face (crease_planes.h)
+                                 ///< then, in thin parts, the way to the pole (pole_normals.h) and,
+                                 ///< beside edges, of one face (crease_planes.h)
   std::vector<float> deviation;  ///< of the k neighbours from their plane, root mean square
   std::vector<TangentPlane>
       plane;  ///< after `orient_normals`: Gaussian mean of the compatible neighbours
