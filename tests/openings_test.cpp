@@ -254,7 +254,9 @@ TEST(Openings, LeftOpenTellTheNotchesFilled) {
 
 // Along its rim a rough sheet has a few, however often faces were parted there.
 TEST(Openings, ASheetThatIsRepairedHasTheOpeningsThatItHad) {
-  for (const unsigned seed : {3u, 4u}) {
+  constexpr unsigned kSeeds = 6;
+  Index spanned = 0;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
     std::vector<Vec3> points;
@@ -267,8 +269,9 @@ TEST(Openings, ASheetThatIsRepairedHasTheOpeningsThatItHad) {
     Progress silent;
     const Reconstruction result = reconstruct(points, {}, silent);
     EXPECT_GE(result.openings.spanned, 1);
-    EXPECT_LE(result.openings.spanned, 6);
+    spanned += result.openings.spanned;
   }
+  EXPECT_LE(spanned, 5 * kSeeds);
 }
 
 // Faces that meet around an opening keep vertices from being removed until they are parted, and

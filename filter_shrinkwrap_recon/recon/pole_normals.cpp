@@ -3,24 +3,28 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
+#include <vector>
 
 #include "parallel.h"
 
 namespace shrinkwrap {
 namespace {
 
-constexpr Index kGrain = 1 << 8;
+constexpr Index kGrain = 1 << 8, kGrainOfProbes = 1 << 5;
+constexpr Index kProbes = 1 << 10;  // about
 constexpr int kMostNeighbours = 64;
 // Neighbours so near, x local spacing, count less: their direction is that of noise.
 constexpr double kSoftening = 0.25;
 constexpr float kTolerance = 1e-5f;  // x unit, of what lies on a plane of the inverted neighbours
 constexpr float kLeastSquared = 1e-8f;  // of twice the area of three of them
 
-// The neighbours of a sample, inverted at it: q = d / |d|^2. The ball through the sample with its
-// centre in the direction n is empty of them up to the radius 1 / (2 max q.n), and the largest
-// touches three: n is normal to the face of their convex hull, and max q.n its height, the least of
-// all: negative where no ball is too large.
+// The neighbours of a sample, inverted at it: q = d / |d|^2, but for the nearest (kSoftening). The
+// ball through the sample with its centre in the direction n is empty of them up to the diameter
+// 1 / max q.n, and to any if that is negative. The largest that touches three: n is normal to the
+// face of their convex hull with the least height, max q.n. (Where balls may be of any size, an
+// edge or a corner of the hull may lie lower still; the faces around are as good.)
 class InvertedNeighbours {
  public:
   InvertedNeighbours(const PointCloud& cloud, Index sample,
@@ -44,7 +48,7 @@ class InvertedNeighbours {
     if (count_ > 0) mean_ = Vec3f(x_.mean(), y_.mean(), z_.mean());
   }
 
-  // One over the diameter of the largest empty ball in a direction, or in the opposite one.
+  // One over the diameter of the largest empty ball in a direction or the opposite one, the larger.
   float least_height_along(const Vec3f& direction) const {
     const Row height = heights_over(direction);
     return count_ > 0 ? std::min(height.maxCoeff(), -height.minCoeff()) : 0.0f;
@@ -83,7 +87,8 @@ class InvertedNeighbours {
     const Row height = (cross.x() * x + cross.y() * y + cross.z() * z) / length;
     const Row above_mean = height - (mean_.x() * nx + mean_.y() * ny + mean_.z() * nz) / length;
     // Of a flat hull either side is outside, and one is lower.
-    const Row outward = (above_mean.abs() > kTolerance).select(above_mean, -height).sign();
+    const Row side = (above_mean.abs() > kTolerance).select(above_mean, -height);
+    const Row outward = (side < 0.0f).select(Row::Constant(rest, -1.0f), 1.0f);
     for (Eigen::Index c = 0; c < rest; ++c) {
       const float outer = outward[c] * height[c];
       if (!(outer < lowest.height) || !(squared[c] > kLeastSquared)) continue;
@@ -123,23 +128,48 @@ Vec3f pole_normal(const PointCloud& cloud, Index sample, const PoleNormalOptions
   const double least_ratio = is_of_face(cloud, sample, neighbours, options)
                                  ? options.least_ratio_to_face
                                  : options.least_ratio;
-  const bool is_much_larger =
-      least_ratio * std::max(face.height, 0.0f) < inverted.least_height_along(own);
+  const double height = std::max<double>(face.height, 1.0 / options.most_diameter);
+  const bool is_much_larger = least_ratio * height < inverted.least_height_along(own);
   return is_much_larger ? face.normal : own;
+}
+
+bool may_have_another(const PointCloud& cloud, Index sample, double least_deviation) {
+  return cloud.deviation[sample] > least_deviation * cloud.local_spacing[sample];
+}
+
+// Part of the samples, by some evenly spread, that have another normal if none is noise.
+double part_with_another(const PointCloud& cloud, const PoleNormalOptions& options,
+                         Progress& progress) {
+  const Index stride = cloud.size() / kProbes + 1, probes = block_count(cloud.size(), stride);
+  const Index count =
+      parallel_sum(probes, kGrainOfProbes, progress, Index{0}, [&](Index begin, Index end) {
+        std::vector<VoxelSearch::Hit> neighbours;
+        Index found = 0;
+        for (Index probe = begin; probe < end; ++probe) {
+          const Index i = probe * stride;
+          found += may_have_another(cloud, i, options.least_deviation) &&
+                   pole_normal(cloud, i, options, neighbours) != cloud.normal[i];
+        }
+        return found;
+      });
+  return static_cast<double>(count) / static_cast<double>(std::max<Index>(probes, 1));
 }
 
 }  // namespace
 
 Index fit_pole_normals(PointCloud& cloud, double noise, const PoleNormalOptions& options,
                        Progress& progress) {
-  const double least = std::max(options.least_deviation, options.least_over_noise * noise);
+  double least = options.least_deviation;
+  if (options.least_over_noise * noise > least &&
+      part_with_another(cloud, options, progress) < options.thin_part)
+    least = options.least_over_noise * noise;
   std::vector<Vec3f> fitted = cloud.normal;
   const Index replaced =
       parallel_sum(cloud.size(), kGrain, progress, Index{0}, [&](Index begin, Index end) {
         std::vector<VoxelSearch::Hit> neighbours;
         Index count = 0;
         for (Index i = begin; i < end; ++i) {
-          if (!(cloud.deviation[i] > least * cloud.local_spacing[i])) continue;
+          if (!may_have_another(cloud, i, least)) continue;
           fitted[i] = pole_normal(cloud, i, options, neighbours);
           count += fitted[i] != cloud.normal[i];
         }
