@@ -1,6 +1,7 @@
 #include "false_handles.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "one_ring.h"
@@ -17,6 +18,36 @@ constexpr Index kUpdateInterval = 1 << 12;
 // centre has a loop either.
 constexpr Index kClear = 2;
 constexpr std::size_t kMostOfBall = 1 << 12;
+
+// Samples that may bear out a loop: so many nearest to each of its vertices, so far from its plane
+// at most (x the mean length of its edges), that look to where the loop does (cosine, at least).
+constexpr int kNearest = 8;
+constexpr double kBeside = 0.6, kLooking = 0.5;
+
+// The plane of a loop of vertices.
+struct LoopFrame {
+  Vec3 middle = Vec3::Zero();
+  Vec3 axis = Vec3::Zero();  // unit; arbitrary, or zero, if the loop encloses no area
+  double mean_edge = 0.0;
+  bool is_around_hole = false;  // the surface looks towards the middle, not away from it
+};
+
+LoopFrame frame_of(const SurfaceMesh& mesh, const Loop& loop) {
+  const auto count = static_cast<double>(loop.size());
+  LoopFrame frame;
+  for (const Index v : loop) frame.middle += mesh.position[v] / count;
+  double outward = 0.0;
+  for (std::size_t k = 0; k < loop.size(); ++k) {
+    const Vec3 arm = mesh.position[loop[k]] - frame.middle;
+    const Vec3 next = mesh.position[loop[(k + 1) % loop.size()]] - frame.middle;
+    frame.axis += arm.cross(next);
+    frame.mean_edge += (next - arm).norm() / count;
+    outward += arm.dot(gather_one_ring(mesh, loop[k]).normal);
+  }
+  frame.axis.normalize();  // zero stays zero
+  frame.is_around_hole = outward < 0.0;
+  return frame;
+}
 
 class FalseHandles {
  public:
@@ -82,8 +113,7 @@ class FalseHandles {
       if (cosine_[v] >= options_.least_cosine || is_clear[v]) continue;
       if (clear_around(v, tree, is_clear, progress)) continue;
       Loop loop = loop_in_ball(mesh_, tree, v, options_.radius, progress);
-      if (!loop.empty() && mean_cosine(loop) < options_.least_cosine)
-        found.push_back(std::move(loop));
+      if (!loop.empty() && is_false(loop)) found.push_back(std::move(loop));
     }
     std::stable_sort(found.begin(), found.end(),
                      [](const Loop& a, const Loop& b) { return a.size() < b.size(); });
@@ -102,6 +132,37 @@ class FalseHandles {
       is_clear[v] = 1;
     }
     return true;
+  }
+
+  bool is_false(const Loop& loop) const {
+    return mean_cosine(loop) < options_.least_cosine && widest_gap(loop) > options_.widest_gap;
+  }
+
+  // Around the middle of a loop, between samples that bear it out.
+  double widest_gap(const Loop& loop) const {
+    const LoopFrame frame = frame_of(mesh_, loop);
+    if (frame.axis.isZero()) return 2.0 * kPi;
+    const Vec3 side = frame.axis.unitOrthogonal(), across = frame.axis.cross(side);
+    std::vector<double> directions;
+    std::vector<VoxelSearch::Hit> nearest;
+    for (const Index v : loop) {
+      cloud_.search.k_nearest(mesh_.position[v], kNearest, nearest);
+      for (const VoxelSearch::Hit& hit : nearest) {
+        const Vec3 offset = cloud_.position[hit.index] - frame.middle;
+        const double height = offset.dot(frame.axis);
+        if (std::abs(height) > kBeside * frame.mean_edge) continue;
+        const Vec3 arm = offset - height * frame.axis;
+        const double outward = arm.dot(cloud_.normal[hit.index].cast<double>());
+        if ((frame.is_around_hole ? -outward : outward) > kLooking * arm.norm())
+          directions.push_back(std::atan2(arm.dot(across), arm.dot(side)));
+      }
+    }
+    if (directions.empty()) return 2.0 * kPi;
+    std::sort(directions.begin(), directions.end());
+    double widest = directions.front() + 2.0 * kPi - directions.back();
+    for (std::size_t k = 1; k < directions.size(); ++k)
+      widest = std::max(widest, directions[k] - directions[k - 1]);
+    return widest;
   }
 
   double mean_cosine(const Loop& loop) const {

@@ -10,8 +10,13 @@ struct FalseHandleOptions {
   bool enabled = true;  ///< for the pipeline: cut any
   /// A handle is false if the normals of a loop around or through it agree less, in the mean, with
   /// those of the nearest samples: on the side of a bridge they are square to each other, around a
-  /// true limb or hole, however narrow, they are alike.
-  double least_cosine = 0.45;
+  /// true limb or hole they are alike ...
+  double least_cosine = 0.5;
+  /// ... and if samples do not bear it out all around: seen from the middle of the loop there is a
+  /// wider gap (radians) between those near its plane that look away from the middle, where it lies
+  /// around a limb, or towards it, where it lies around a hole. In a hole hardly wider than a voxel
+  /// the nearest sample may be across it, and the normals of voxels tell little.
+  double widest_gap = kPi;
   /// Loops of at most twice as many edges and one are looked at.
   Index radius = 3;
   Index least_of_cavity = 100;  ///< samples nearest to its wall, for its false mouth to be closed
