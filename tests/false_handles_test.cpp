@@ -126,8 +126,7 @@ TEST(FalseHandles, AreNoNarrowHolesNorThinLimbs) {
     for (unsigned seed = 1; seed <= 2 * kSeeds; ++seed) {
       const PointCloud cloud = oriented_cloud(is_limb ? sample_ladder(1500, 2.25, seed)
                                                       : sample_bored_block(3000, 2.25, seed));
-      const Index genus = initial_mesh_of(cloud, false).report.genus;
-      found += genus;
+      found += initial_mesh_of(cloud, false).report.genus;
       left += initial_mesh_of(cloud).report.genus;
     }
     EXPECT_GE(found, 120) << "few are found: this test tests little";
