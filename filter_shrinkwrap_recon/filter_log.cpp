@@ -143,6 +143,13 @@ void tell_of_noise(Filter filter, double noise, const DenoisingReport& denoising
                "can (SmoothForNoise), and leave off after Parametric Surface."));
 }
 
+void tell_of_view(const OrientationReport& report, FilterOutcome& outcome) {
+  if (!report.is_view) return;
+  outcome.log.push_back(
+      "all samples were seen from the origin of the coordinates, as their density tells, by one "
+      "camera or scanner: the mesh faces it");
+}
+
 void tell_of_sheet(const OrientationReport& report, const ReconstructionOptions& options,
                    FilterOutcome& outcome) {
   constexpr double kMostlySheet = 0.5;

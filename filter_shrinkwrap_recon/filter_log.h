@@ -52,6 +52,8 @@ void warn_of_subdivision(const ParametricSurfaceReport& report, Index samples,
 /// `filter` can do it.
 void tell_of_noise(Filter filter, double noise, const DenoisingReport& denoising,
                    const ReconstructionOptions& options, FilterOutcome& outcome);
+/// That the mesh faces the origin, if all was seen from there.
+void tell_of_view(const OrientationReport& report, FilterOutcome& outcome);
 /// Which choice for openings suits an open sheet, where all were closed.
 void tell_of_sheet(const OrientationReport& report, const ReconstructionOptions& options,
                    FilterOutcome& outcome);

@@ -83,6 +83,7 @@ PointCloud prepare_oriented(Filter filter, const FilterInput& input, Reconstruct
   samples = orient_and_smooth(cloud, options, progress);
   warn_of(samples.orientation, outcome.warnings);
   tell_of_noise(filter, samples.noise.median, samples.denoising, options, outcome);
+  tell_of_view(samples.orientation, outcome);
   return cloud;
 }
 
@@ -132,6 +133,7 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   outcome.figures = figures_of(result.report);
   outcome.log.push_back(conditioning_line(result.conditioning, result.spacing));
   tell_of_noise(Filter::reconstruct, result.noise, result.denoising, request.options, outcome);
+  tell_of_view(result.orientation, outcome);
   tell_of_sheet(result.orientation, request.options, outcome);
   double total = 0.0;
   for (const StageRecord& stage : result.stages) {

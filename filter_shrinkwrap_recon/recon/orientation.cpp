@@ -18,6 +18,7 @@ constexpr Index kDrawnPerComponent = 32;    // at least, of each that has as man
 constexpr double kDepthTolerance = 0.7;     // x spacing of the samples drawn
 constexpr double kSeenOpenly = 0.25;        // of the possible votes: not through a wall
 constexpr double kLeastCosine = 0.1;        // of a sheet that faces a direction
+constexpr double kSteepCosine = 0.3;        // with the way to the station: beyond doubt
 constexpr double kLeastSheetNormal = 0.25;  // length of the mean normal of an open sheet, at least
 
 // Of every stride-th sample.
@@ -122,7 +123,6 @@ class ComponentSigns {
       if (decided == 0) break;
       left -= decided;
     }
-    report.components = forest_.components;
     report.undecided_components += static_cast<Index>(left);
     return flip;
   }
@@ -277,6 +277,47 @@ class ComponentSigns {
   std::vector<Index> first_;
 };
 
+// Makes the signs of neighbours consistent.
+SpanningForest turn_alike(PointCloud& cloud, const NeighbourGraph& graph,
+                          const OrientationOptions& options, SampleVotes& votes,
+                          Progress& progress) {
+  SpanningForest forest = span_normals(graph, votes, options.signs, progress);
+  if (!forest.flipped_as_agreed.empty())
+    follow_agreement(cloud, graph, options, votes, forest, progress);
+  parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
+    if (forest.flipped[i]) cloud.normal[i] = -cloud.normal[i];
+  });
+  for (std::size_t k = 0; k < votes.drawn.size(); ++k)
+    if (forest.flipped[votes.drawn[k]]) votes.votes[k] = votes.votes[k].turned();
+  return forest;
+}
+
+void turn_outward(PointCloud& cloud, const SpanningForest& forest, const SampleVotes& votes,
+                  const OrientationOptions& options, OrientationReport& report,
+                  Progress& progress) {
+  const std::vector<char> flip =
+      ComponentSigns(cloud, forest, votes, options, progress).decide(report);
+  parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
+    if (flip[forest.component_of_sample[i]]) cloud.normal[i] = -cloud.normal[i];
+  });
+}
+
+// Each component as most of it faces the station, and then each sample that is seen steeply.
+void turn_towards(const Vec3& station, PointCloud& cloud, const SpanningForest& forest,
+                  Progress& progress) {
+  const auto cosine = [&](Index i) {
+    const Vec3 way = station - cloud.position[i];
+    return way.norm() > 0.0 ? cloud.normal[i].cast<double>().dot(way.normalized()) : 0.0;
+  };
+  std::vector<double> towards(static_cast<std::size_t>(forest.components), 0.0);
+  for (Index i = 0; i < cloud.size(); ++i) towards[forest.component_of_sample[i]] += cosine(i);
+  parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
+    Vec3f& normal = cloud.normal[i];
+    if (towards[forest.component_of_sample[i]] < 0.0) normal = -normal;
+    if (cosine(i) < -kSteepCosine) normal = -normal;
+  });
+}
+
 // See PointCloud::closedness. What closes on itself has normals all around, be it sampled so
 // sparsely that views see through it: a sheet is what has a mean normal of twice the least that
 // sheets have, and less so what has a shorter one.
@@ -334,21 +375,15 @@ OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& op
       draw_samples(cloud, options, options.propagation_samples, options.view_directions, progress);
   progress.set_range(0.25, 0.6);
   const NeighbourGraph graph(cloud, options.propagation_neighbours, progress);
-  SpanningForest forest = span_normals(graph, votes, options.signs, progress);
-  if (!forest.flipped_as_agreed.empty())
-    follow_agreement(cloud, graph, options, votes, forest, progress);
-  parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
-    if (forest.flipped[i]) cloud.normal[i] = -cloud.normal[i];
-  });
-  for (std::size_t k = 0; k < votes.drawn.size(); ++k)
-    if (forest.flipped[votes.drawn[k]]) votes.votes[k] = votes.votes[k].turned();
-
+  const SpanningForest forest = turn_alike(cloud, graph, options, votes, progress);
   progress.set_range(0.6, 0.85);
-  const std::vector<char> flip =
-      ComponentSigns(cloud, forest, votes, options, progress).decide(report);
-  parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
-    if (flip[forest.component_of_sample[i]]) cloud.normal[i] = -cloud.normal[i];
-  });
+  const Vec3 origin = cloud.frame.to_unit(Vec3::Zero());
+  report.components = forest.components;
+  report.is_view = is_view_from(cloud, origin, options.station);
+  if (report.is_view)
+    turn_towards(origin, cloud, forest, progress);
+  else
+    turn_outward(cloud, forest, votes, options, report, progress);
 
   report.closedness = cloud.closedness = closedness_of(cloud, votes);
 

@@ -6,6 +6,7 @@
 #include "point_cloud.h"
 #include "pole_normals.h"
 #include "spanning_forest.h"
+#include "station.h"
 
 namespace shrinkwrap {
 
@@ -25,6 +26,7 @@ struct OrientationOptions {
   Index judging_samples = 2000000;  ///< ... and for those that judge what came of it, from
   int judging_directions = 24;      ///< so many directions
   double judging_weight = 3.0;      ///< of their votes: see `votes_against`
+  StationOptions station;
   PoleNormalOptions poles;
   SignOptions signs;
   CreasePlaneOptions creases;
@@ -33,6 +35,7 @@ struct OrientationOptions {
 };
 
 struct OrientationReport {
+  bool is_view = false;  ///< from the origin of the input, which the normals face
   Index components = 0;  ///< of the neighbour graph
   Index enclosed_components =
       0;  ///< nobody sees them from outside, but through others: walls of cavities, and the like
@@ -46,11 +49,13 @@ struct OrientationReport {
 /// become the ways to the poles of their samples (pole_normals.h). Signs are found along the
 /// spanning tree of the surest edges (Hoppe et al. 1992, with another measure of sureness:
 /// neighbour_graph.h), or, where less goes against them, the signs on which all edges and views
-/// agree best (sign_agreement.h). Then one sign per connected component of the graph from
-/// visibility: the side that more orthographic views see is outside. Components that nobody sees,
-/// or that are seen only through others (VisibilityVote::foremost), are drawn again without those
-/// that were seen: where the winding number of these says that they lie within the body they bound
-/// a cavity, else a body of their own, in a cavity or behind others.
+/// agree best (sign_agreement.h). Where all was seen from the origin of the input, as one view of a
+/// depth camera is (station.h), each connected component of the graph then faces it on the whole,
+/// and each sample that is seen steeply. Else one sign per component comes from visibility: the
+/// side that more orthographic views see is outside. Components that nobody sees, or that are seen
+/// only through others (VisibilityVote::foremost), are drawn again without those that were seen:
+/// where the winding number of these says that they lie within the body they bound a cavity, else a
+/// body of their own, in a cavity or behind others.
 ///
 /// Views are trusted as far as a component is closed (VisibilityVote::trust): what stands on an
 /// open sheet, such as the ground, hides its front. Of a sheet it counts too how convex it is, seen
