@@ -147,7 +147,8 @@ void tell_of_view(const OrientationReport& report, FilterOutcome& outcome) {
   if (!report.is_view) return;
   outcome.log.push_back(
       "all samples were seen from the origin of the coordinates, as their density tells, by one "
-      "camera or scanner: the mesh faces it");
+      "camera or scanner: the mesh faces it. Where that is wrong, move the points away from there "
+      "(filter \"Transform: Translate, Center, set Origin\").");
 }
 
 void tell_of_sheet(const OrientationReport& report, const ReconstructionOptions& options,

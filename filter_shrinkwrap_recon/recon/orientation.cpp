@@ -379,7 +379,7 @@ OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& op
   progress.set_range(0.6, 0.85);
   const Vec3 origin = cloud.frame.to_unit(Vec3::Zero());
   report.components = forest.components;
-  report.is_view = is_view_from(cloud, origin, options.station);
+  report.is_view = is_view_from(cloud, origin, options.station, progress);
   if (report.is_view)
     turn_towards(origin, cloud, forest, progress);
   else

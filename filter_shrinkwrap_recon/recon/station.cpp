@@ -3,32 +3,41 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <utility>
+#include <numeric>
+#include <tuple>
 #include <vector>
+
+#include "parallel.h"
 
 namespace shrinkwrap {
 namespace {
 
+constexpr Index kGrain = 1 << 12;
 constexpr double kCell = 3.0;           // x angle between samples
 constexpr double kLeastCell = 0x1p-19;  // of directions, for three to fit into a key
 
 // How a sample is seen.
 struct Sight {
-  Vec3 way;  // from the station, of length 1
-  double distance;
-  double cosine;  // between the way and the normal, of either sign
-  // Between this sample and those beside it.
-  double angle(double spacing) const {
-    return distance > 0.0 ? spacing * std::sqrt(cosine) / distance : 0.0;
-  }
+  Vec3 way;         // from the station, of length 1
+  double distance;  // 0: it is there
+  double angle;     // between this sample and those beside it
 };
 
-Sight sight_of(const PointCloud& cloud, Index sample, const Vec3& station) {
-  const Vec3 way = cloud.position[sample] - station;
-  const double distance = way.norm();
-  if (!(distance > 0.0)) return {Vec3::Zero(), 0.0, 0.0};
-  return {way / distance, distance,
-          std::abs(way.dot(cloud.normal[sample].cast<double>())) / distance};
+std::vector<Sight> sights_from(const PointCloud& cloud, const Vec3& station, Progress& progress) {
+  std::vector<Sight> sights(cloud.position.size(), {Vec3::Zero(), 0.0, 0.0});
+  parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
+    const Vec3 way = cloud.position[i] - station;
+    const double distance = way.stableNorm();
+    if (!(distance > 0.0)) return;
+    const double cosine = std::abs(way.dot(cloud.normal[i].cast<double>())) / distance;
+    sights[i] = {way / distance, distance, cloud.local_spacing[i] * std::sqrt(cosine) / distance};
+  });
+  return sights;
+}
+
+double area_of(const PointCloud& cloud, Index sample) {
+  const double spacing = cloud.local_spacing[sample];
+  return spacing * spacing;
 }
 
 double nth_part(std::vector<double>& values, double part) {
@@ -49,66 +58,77 @@ double mean_normal_towards(const PointCloud& cloud, const Vec3& station) {
   double total = 0.0;
   for (Index i = 0; i < cloud.size(); ++i) {
     const Vec3 normal = cloud.normal[i].cast<double>();
-    const double area = cloud.local_spacing[i] * cloud.local_spacing[i];
+    const double area = area_of(cloud, i);
     sum += normal.dot(station - cloud.position[i]) < 0.0 ? Vec3(-area * normal) : area * normal;
     total += area;
   }
   return total > 0.0 ? sum.norm() / total : 0.0;
 }
 
+// As far away beyond the samples.
+Vec3 opposite_of(const Vec3& station, const PointCloud& cloud) {
+  const Vec3 sum =
+      std::accumulate(cloud.position.begin(), cloud.position.end(), Vec3(Vec3::Zero()));
+  return 2.0 / cloud.size() * sum - station;
+}
+
 }  // namespace
 
-double spread_left_from(const PointCloud& cloud, const Vec3& station) {
-  std::vector<double> spacings, left;  // logarithms
-  for (Index i = 0; i < cloud.size(); ++i) {
-    const double spacing = cloud.local_spacing[i];
-    spacings.push_back(std::log(spacing));
-    left.push_back(std::log(sight_of(cloud, i, station).angle(spacing)));
-  }
+double spread_left_from(const PointCloud& cloud, const Vec3& station, Progress& progress) {
+  const std::vector<Sight> sights = sights_from(cloud, station, progress);
+  std::vector<double> spacings(sights.size()), left(sights.size());  // logarithms
+  parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
+    spacings[i] = std::log(static_cast<double>(cloud.local_spacing[i]));
+    left[i] = std::log(sights[i].angle);
+  });
   const double before = width_of_middle_two_thirds(spacings);
   const double after = width_of_middle_two_thirds(left);
   return (after / before) * (after / before);
 }
 
-double part_hidden_from(const PointCloud& cloud, const Vec3& station) {
-  std::vector<double> angles;
-  for (Index i = 0; i < cloud.size(); ++i)
-    angles.push_back(sight_of(cloud, i, station).angle(cloud.local_spacing[i]));
+double part_hidden_from(const PointCloud& cloud, const Vec3& station, Progress& progress) {
+  const std::vector<Sight> sights = sights_from(cloud, station, progress);
+  std::vector<double> angles(sights.size());
+  for (std::size_t i = 0; i < sights.size(); ++i) angles[i] = sights[i].angle;
   const double cell = std::clamp(kCell * nth_part(angles, 0.5), kLeastCell, 1.0);
-  using Place = std::pair<std::uint64_t, Index>;  // cell of directions, sample
-  std::vector<Place> places;
-  for (Index i = 0; i < cloud.size(); ++i) {
-    const Vec3 way = sight_of(cloud, i, station).way;
-    std::uint64_t key = 0;
-    for (const double along : {way.x(), way.y(), way.z()})
-      key = (key << 21) + static_cast<std::uint64_t>((along + 1.0) / cell);
-    places.emplace_back(key, i);
-  }
-  std::sort(places.begin(), places.end());
-  const auto distance = [&](const Place& place) {
-    return (cloud.position[place.second] - station).norm();
+  // Samples by cells of directions, the foremost first.
+  struct Place {
+    std::uint64_t cell;
+    Index sample;
   };
-  Index hidden = 0;
-  for (auto first = places.begin(); first != places.end();) {
-    const auto last = std::find_if(first, places.end(),
-                                   [&](const Place& place) { return place.first != first->first; });
-    const Vec3& foremost =
-        cloud.position[std::min_element(first, last, [&](const Place& a, const Place& b) {
-                         return distance(a) < distance(b);
-                       })->second];
-    for (; first != last; ++first) {
-      const Index i = first->second;
-      const double off = cloud.normal[i].cast<double>().dot(foremost - cloud.position[i]);
-      hidden += std::abs(off) > cell * distance(*first);
-    }
+  std::vector<Place> places(sights.size());
+  parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
+    std::uint64_t key = 0;
+    for (const double along : sights[i].way)
+      key = (key << 21) + static_cast<std::uint64_t>((std::clamp(along, -1.0, 1.0) + 1.0) / cell);
+    places[i] = {key, i};
+  });
+  std::sort(places.begin(), places.end(), [&](const Place& a, const Place& b) {
+    return std::make_tuple(a.cell, sights[a.sample].distance, a.sample) <
+           std::make_tuple(b.cell, sights[b.sample].distance, b.sample);
+  });
+  double hidden = 0.0, total = 0.0;
+  for (auto foremost = places.begin(), place = foremost; place != places.end(); ++place) {
+    if (place->cell != foremost->cell) foremost = place;
+    const Index i = place->sample;
+    const double off =
+        cloud.normal[i].cast<double>().dot(cloud.position[foremost->sample] - cloud.position[i]);
+    const double area = area_of(cloud, i);
+    if (std::abs(off) > cell * sights[i].distance) hidden += area;
+    total += area;
   }
-  return static_cast<double>(hidden) / cloud.size();
+  return total > 0.0 ? hidden / total : 0.0;
 }
 
-bool is_view_from(const PointCloud& cloud, const Vec3& station, const StationOptions& options) {
-  return station.allFinite() && spread_left_from(cloud, station) <= options.most_spread_left &&
+bool is_view_from(const PointCloud& cloud, const Vec3& station, const StationOptions& options,
+                  Progress& progress) {
+  if (!station.allFinite()) return false;
+  const double left = spread_left_from(cloud, station, progress);
+  return left < options.most_spread_left &&
          mean_normal_towards(cloud, station) >= options.least_sheet_normal &&
-         part_hidden_from(cloud, station) <= options.most_hidden;
+         left < options.most_over_opposite *
+                    spread_left_from(cloud, opposite_of(station, cloud), progress) &&
+         part_hidden_from(cloud, station, progress) <= options.most_hidden;
 }
 
 }  // namespace shrinkwrap
