@@ -6,15 +6,10 @@
 #include <algorithm>
 
 #include "expect_mesh.h"
+#include "oriented_cloud.h"
 
 namespace shrinkwrap::testing {
 namespace {
-
-// Samples as the stage wants them.
-PointCloud prepare(const std::vector<Vec3>& points) {
-  Progress silent;
-  return prepare_samples(points, {}, silent);
-}
 
 InitialMesh shrink(const PointCloud& samples, const InitialMeshOptions& options = {}) {
   Progress silent;
@@ -64,7 +59,7 @@ TEST(ShrinkBoundingBox, WrapsEveryShape) {
   for (ShapeKind kind : all_shapes()) {
     const Shape shape = shape_of(kind);
     SCOPED_TRACE(shape.name);
-    const PointCloud samples = prepare(sample_shape(kind, 2000, 11));
+    const PointCloud samples = prepared_cloud(sample_shape(kind, 2000, 11));
     const InitialMesh initial = shrink(samples);
     EXPECT_EQ(initial.report.levels, 3);
     EXPECT_EQ(initial.mesh.vertex_count(), 386);
@@ -78,7 +73,7 @@ TEST(ShrinkBoundingBox, WrapsEveryShape) {
 }
 
 TEST(ShrinkBoundingBox, ComesNearTheSphere) {
-  const PointCloud samples = prepare(sample_shape_blue_noise(ShapeKind::sphere, 3000, 12));
+  const PointCloud samples = prepared_cloud(sample_shape_blue_noise(ShapeKind::sphere, 3000, 12));
   const InitialMesh initial = shrink(samples);
   const Frame& frame = samples.frame;
   for (const Vec3& p : initial.mesh.position) EXPECT_NEAR(frame.to_input(p).norm(), 1.0, 0.03);
@@ -87,7 +82,7 @@ TEST(ShrinkBoundingBox, ComesNearTheSphere) {
 
 // Eq. 5 with xi = 1 and no relaxation moves every vertex exactly onto a sample.
 TEST(ShrinkBoundingBox, ProjectsOntoSamples) {
-  const PointCloud samples = prepare(sample_shape(ShapeKind::blob, 1000, 13));
+  const PointCloud samples = prepared_cloud(sample_shape(ShapeKind::blob, 1000, 13));
   InitialMeshOptions options;
   options.projection = 1.0;
   options.box_relaxation = 0.0;
@@ -98,7 +93,7 @@ TEST(ShrinkBoundingBox, ProjectsOntoSamples) {
 
 // Eq. 8 moves vertices along the surface only: without projection a box stays its box.
 TEST(ShrinkBoundingBox, RelaxesAlongTheSurface) {
-  const PointCloud samples = prepare(sample_shape(ShapeKind::box, 1000, 14));
+  const PointCloud samples = prepared_cloud(sample_shape(ShapeKind::box, 1000, 14));
   InitialMeshOptions options;
   options.levels = 3;
   options.projection = 0.0;
@@ -112,7 +107,7 @@ TEST(ShrinkBoundingBox, RelaxesAlongTheSurface) {
 }
 
 TEST(ShrinkBoundingBox, ObeysTheLevel) {
-  const PointCloud samples = prepare(sample_shape(ShapeKind::sphere, 500, 15));
+  const PointCloud samples = prepared_cloud(sample_shape(ShapeKind::sphere, 500, 15));
   InitialMeshOptions options;
   options.levels = 0;
   EXPECT_EQ(shrink(samples, options).mesh.vertex_count(), 8);
@@ -125,7 +120,7 @@ TEST(ShrinkBoundingBox, ObeysTheLevel) {
 }
 
 TEST(ShrinkBoundingBox, TakesTheFewestSamples) {
-  const PointCloud samples = prepare({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1e-3}});
+  const PointCloud samples = prepared_cloud({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1e-3}});
   for (int levels = -1; levels <= 4; ++levels) {
     InitialMeshOptions options;
     options.levels = levels;
@@ -134,7 +129,7 @@ TEST(ShrinkBoundingBox, TakesTheFewestSamples) {
 }
 
 TEST(ShrinkBoundingBox, IsTheSameForAnyNumberOfThreads) {
-  const PointCloud samples = prepare(sample_shape(ShapeKind::torus, 30000, 16));
+  const PointCloud samples = prepared_cloud(sample_shape(ShapeKind::torus, 30000, 16));
   const auto run_with = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     return shrink(samples).mesh;
@@ -143,7 +138,7 @@ TEST(ShrinkBoundingBox, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(ShrinkBoundingBox, ReportsRisingProgressAndCanBeCancelled) {
-  const PointCloud samples = prepare(sample_shape(ShapeKind::torus, 3000, 17));
+  const PointCloud samples = prepared_cloud(sample_shape(ShapeKind::torus, 3000, 17));
   double last = 0.0;
   bool rising = true;
   Progress watched(

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "neighbourhoods.h"
+#include "oriented_cloud.h"
 #include "shapes.h"
 #include "town.h"
 
@@ -16,6 +17,7 @@ namespace {
 
 using testing::closed_shapes;
 using testing::make_town;
+using testing::prepared_cloud;
 using testing::Random;
 using testing::sample_implicit;
 using testing::sample_shape;
@@ -25,11 +27,6 @@ using testing::ShapeKind;
 using testing::spiral_sphere;
 using testing::Town;
 using testing::TownOptions;
-
-PointCloud prepare(const std::vector<Vec3>& points) {
-  Progress silent;
-  return prepare_samples(points, SampleOptions(), silent);
-}
 
 OrientationReport orient(PointCloud& cloud) {
   Progress silent;
@@ -67,7 +64,7 @@ TEST(Orientation, IsOutwardOnClosedShapes) {
     for (unsigned seed : {1u, 2u}) {
       const Shape shape = shape_of(kind);
       SCOPED_TRACE(shape.name + ", seed " + std::to_string(seed));
-      PointCloud cloud = prepare(sample_shape(kind, 8000, seed));
+      PointCloud cloud = prepared_cloud(sample_shape(kind, 8000, seed));
       const OrientationReport report = orient(cloud);
       EXPECT_EQ(report.components, shape.components);
       EXPECT_EQ(report.undecided_components, 0);
@@ -79,7 +76,7 @@ TEST(Orientation, IsOutwardOnClosedShapes) {
 }
 
 TEST(Orientation, IsOutwardOnAnOpenCap) {
-  PointCloud cloud = prepare(sample_shape(ShapeKind::hemisphere, 8000, 3));
+  PointCloud cloud = prepared_cloud(sample_shape(ShapeKind::hemisphere, 8000, 3));
   const OrientationReport report = orient(cloud);
   EXPECT_EQ(report.undecided_components, 0);
   EXPECT_EQ(count_wrong(cloud, shape_of(ShapeKind::hemisphere)), 0);
@@ -96,7 +93,7 @@ TEST(Orientation, BothSidesOfASharpEdgeFaceOutwards) {
     SCOPED_TRACE(seed);
     Random random(seed);
     const std::vector<Vec3> points = sample_implicit(implicit, {}, 4000, random).points;
-    PointCloud cloud = prepare(points);
+    PointCloud cloud = prepared_cloud(points);
     orient(cloud);
     Index wrong = 0;
     for (Index i = 0; i < cloud.size(); ++i)
@@ -139,7 +136,7 @@ TEST(Orientation, BladesOfAWheelFaceOutwards) {
           side * Vec3::UnitX());
     }
     const auto wrong_part = [&](const OrientationOptions& options, bool knows_sheets) {
-      PointCloud cloud = prepare(points);
+      PointCloud cloud = prepared_cloud(points);
       Progress silent;
       if (!knows_sheets)
         cloud.normal =
@@ -180,7 +177,7 @@ TEST(Orientation, HollowsThatNearlyTouchDoNotTurnEachOther) {
       Random random(seed);
       const std::vector<Vec3> points = sample_implicit(block, {}, 1500, random).points;
       const auto has_turned = [&](const OrientationOptions& options) {
-        PointCloud cloud = prepare(points);
+        PointCloud cloud = prepared_cloud(points);
         Progress silent;
         orient_normals(cloud, options, silent);
         Index wrong = 0, inner = 0;
@@ -205,7 +202,7 @@ TEST(Orientation, BothSidesOfAPlateOfFewSamplesFaceOutwards) {
   const Shape plate = shape_of(ShapeKind::thin_plate);
   Index wrong = 0, all = 0;
   for (unsigned seed = 1; seed <= 10; ++seed) {
-    PointCloud cloud = prepare(sample_shape(plate.kind, 300, seed));
+    PointCloud cloud = prepared_cloud(sample_shape(plate.kind, 300, seed));
     orient(cloud);
     wrong += count_wrong(cloud, plate);
     all += cloud.size();
@@ -244,7 +241,7 @@ TEST(Orientation, CoarseViewsDoNotTurnTheInsideOfACup) {
   add_disc(0.0, kRadius - kWall, kWall, true);
   add_disc(kRadius - kWall, kRadius, kHeight, false);
   const auto count_wrong = [&](const OrientationOptions& options) {
-    PointCloud cloud = prepare(points);
+    PointCloud cloud = prepared_cloud(points);
     Progress silent;
     orient_normals(cloud, options, silent);
     Index wrong = 0;
@@ -277,7 +274,7 @@ TEST(Orientation, ASheetOfHillsAndValleysHasOneSide) {
   OrientationOptions by_views;
   by_views.signs.vote_weight = by_views.judging_weight = 1e6;
   for (const OrientationOptions& options : {OrientationOptions(), by_views}) {
-    PointCloud cloud = prepare(points);
+    PointCloud cloud = prepared_cloud(points);
     Progress silent;
     orient_normals(cloud, options, silent);
     for (const Vec3f& normal : cloud.normal) ASSERT_GT(normal.z(), 0.0f);
@@ -297,7 +294,7 @@ TEST(Orientation, GroundFacesUpwardsUnderWhatStandsOnIt) {
       for (unsigned seed = 1; seed <= 3; ++seed) {
         SCOPED_TRACE(std::to_string(has_walls) + std::to_string(has_trees) + std::to_string(seed));
         const Town town = make_town({has_walls, has_trees, false}, seed);
-        PointCloud cloud = prepare(town.points);
+        PointCloud cloud = prepared_cloud(town.points);
         orient(cloud);
         EXPECT_LT(count_wrong(cloud, town.outward), 0.02 * cloud.size());
       }
@@ -311,7 +308,7 @@ TEST(Orientation, LowRoofsWithoutWallsFaceUpwards) {
       TownOptions low;
       low.height = height;
       const Town town = make_town(low, seed);
-      PointCloud cloud = prepare(town.points);
+      PointCloud cloud = prepared_cloud(town.points);
       orient(cloud);
       EXPECT_LT(count_wrong(cloud, town.outward), 0.01 * cloud.size());
     }
@@ -325,7 +322,7 @@ TEST(Orientation, SheetsThatNoViewTellsAboutFaceWhereOthersDo) {
       Town town = make_town({false, false, false}, 1);
       for (std::vector<Vec3>* all : {&town.points, &town.outward})
         for (Vec3& v : *all) v = Vec3(v[(axis + 1) % 3], v[(axis + 2) % 3], v[axis]) * sign;
-      PointCloud cloud = prepare(town.points);
+      PointCloud cloud = prepared_cloud(town.points);
       orient(cloud);
       EXPECT_LT(count_wrong(cloud, town.outward), 0.02 * cloud.size());
     }
@@ -333,7 +330,7 @@ TEST(Orientation, SheetsThatNoViewTellsAboutFaceWhereOthersDo) {
 
 // Few of the samples are drawn at first, so coarsely that the two sides of the plate are one.
 TEST(Orientation, DrawsThinPartsAgainMoreFinely) {
-  PointCloud cloud = prepare(sample_shape(ShapeKind::thin_plate, 20000, 4));
+  PointCloud cloud = prepared_cloud(sample_shape(ShapeKind::thin_plate, 20000, 4));
   OrientationOptions options;
   options.drawn_samples = options.propagation_samples = 100;
   Progress silent;
@@ -346,7 +343,7 @@ TEST(Orientation, WallsOfCavitiesFaceTheCavity) {
   std::vector<Vec3> points = sphere(9000, 1.0, Vec3::Zero(), 1);
   append(points, sphere(4500, 0.7, Vec3::Zero(), 2));  // wall of the cavity
   append(points, sphere(1500, 0.4, Vec3::Zero(), 3));  // a body within
-  PointCloud cloud = prepare(points);
+  PointCloud cloud = prepared_cloud(points);
   const OrientationReport report = orient(cloud);
   EXPECT_EQ(report.components, 3);
   EXPECT_EQ(report.enclosed_components, 2);
@@ -372,7 +369,7 @@ TEST(Orientation, NoWallIsSeenThroughAnother) {
                                        1.0 - (2.0 * wall + gap) * spacing};
     std::vector<Vec3> points;
     for (const double radius : radii) append(points, spiral_sphere(radius, spacing));
-    PointCloud cloud = prepare(points);
+    PointCloud cloud = prepared_cloud(points);
     OrientationOptions options;
     options.drawn_samples = options.propagation_samples = drawn;
     Progress silent;
@@ -402,7 +399,7 @@ TEST(Orientation, AnIslandDeepInAHoleIsSeen) {
     const Vec3 p = random.in_cube();
     if (std::hypot(p.x(), p.y()) < 1.0) points.emplace_back(0.1 * p.x(), 0.1 * p.y(), 0.93);
   }
-  PointCloud cloud = prepare(points);
+  PointCloud cloud = prepared_cloud(points);
   OrientationOptions options;
   options.drawn_samples = options.propagation_samples = 1000;
   Progress silent;
@@ -421,7 +418,7 @@ TEST(Orientation, BodiesBehindOthersFaceOutwards) {
       for (int z = 0; z < 4; ++z) centres.emplace_back(0.2 * x, 0.2 * y, 0.2 * z);
   for (std::size_t k = 0; k < centres.size(); ++k)
     append(points, sphere(200, 0.06, centres[k], static_cast<unsigned>(k)));
-  PointCloud cloud = prepare(points);
+  PointCloud cloud = prepared_cloud(points);
   const OrientationReport report = orient(cloud);
   EXPECT_EQ(report.components, 100);
   Index wrong = 0;
@@ -437,7 +434,7 @@ TEST(Orientation, SmallComponentsBesideALargeOneAreSeen) {
   std::vector<Vec3> points = sphere(30000, 1.0, Vec3::Zero(), 5);
   for (unsigned k = 0; k < 12; ++k)
     append(points, sphere(60, 0.05, Vec3(1.3 * std::cos(0.5 * k), 1.3 * std::sin(0.5 * k), 0), k));
-  PointCloud cloud = prepare(points);
+  PointCloud cloud = prepared_cloud(points);
   const OrientationReport report = orient(cloud);
   EXPECT_EQ(report.components, 13);
   EXPECT_EQ(report.undecided_components, 0);
@@ -456,7 +453,7 @@ TEST(Orientation, SmallComponentsBesideALargeOneAreSeen) {
 
 TEST(Orientation, TellsHowFarTheCloudIsClosed) {
   const auto closedness = [](const std::vector<Vec3>& points) {
-    PointCloud cloud = prepare(points);
+    PointCloud cloud = prepared_cloud(points);
     return orient(cloud).closedness;
   };
   for (const ShapeKind kind : closed_shapes())
@@ -488,7 +485,7 @@ TEST(Orientation, SaysThatASheetHasNoOutside) {
     const double x = random.uniform(-1, 1), y = random.uniform(-1, 1);
     points.emplace_back(x, y, 0.02 * std::sin(4 * x) * std::sin(4 * y));
   }
-  PointCloud cloud = prepare(points);
+  PointCloud cloud = prepared_cloud(points);
   const OrientationReport report = orient(cloud);
   EXPECT_EQ(report.components, 1);
   EXPECT_EQ(report.undecided_components, 1);
@@ -511,7 +508,7 @@ TEST(Orientation, OpenSheetsFaceUp) {
         points.push_back(p);
       }
       const PointCloud sheet = [&] {
-        PointCloud cloud = prepare(points);
+        PointCloud cloud = prepared_cloud(points);
         orient(cloud);
         return cloud;
       }();
@@ -522,7 +519,7 @@ TEST(Orientation, OpenSheetsFaceUp) {
 }
 
 TEST(Orientation, DoesNotDependOnTheSignsItIsGiven) {
-  PointCloud cloud = prepare(sample_shape(ShapeKind::torus, 5000, 7));
+  PointCloud cloud = prepared_cloud(sample_shape(ShapeKind::torus, 5000, 7));
   PointCloud flipped = cloud;
   for (Index i = 0; i < cloud.size(); i += 3) flipped.normal[i] = -flipped.normal[i];
   orient(cloud);
@@ -531,7 +528,7 @@ TEST(Orientation, DoesNotDependOnTheSignsItIsGiven) {
 }
 
 TEST(Orientation, GivesTheSameBytesForAnyNumberOfThreads) {
-  PointCloud cloud = prepare(sample_shape(ShapeKind::double_torus, 20000, 8));
+  PointCloud cloud = prepared_cloud(sample_shape(ShapeKind::double_torus, 20000, 8));
   PointCloud same = cloud;
   orient(cloud);
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
@@ -544,7 +541,7 @@ TEST(Orientation, GivesTheSameBytesForAnyNumberOfThreads) {
 }
 
 TEST(Orientation, PlanesLieOnTheSurface) {
-  PointCloud cloud = prepare(sample_shape(ShapeKind::sphere, 8000, 9));
+  PointCloud cloud = prepared_cloud(sample_shape(ShapeKind::sphere, 8000, 9));
   orient(cloud);
   for (Index i = 0; i < cloud.size(); ++i) {
     const TangentPlane& plane = cloud.plane[i];
@@ -569,7 +566,7 @@ TEST(Orientation, BearsAnything) {
   clouds.back().emplace_back(0, 1, 0);
   clouds.back().emplace_back(0, 0, 50);
   for (const auto& points : clouds) {
-    PointCloud cloud = prepare(points);
+    PointCloud cloud = prepared_cloud(points);
     const OrientationReport report = orient(cloud);
     EXPECT_GE(report.components, 1);
     for (Index i = 0; i < cloud.size(); ++i) {
@@ -581,7 +578,7 @@ TEST(Orientation, BearsAnything) {
 }
 
 TEST(Orientation, CanBeCancelled) {
-  PointCloud cloud = prepare(sample_shape(ShapeKind::sphere, 1000, 1));
+  PointCloud cloud = prepared_cloud(sample_shape(ShapeKind::sphere, 1000, 1));
   Progress progress([](double, const char*) { return false; }, {Stage::orientation});
   EXPECT_THROW(orient_normals(cloud, OrientationOptions(), progress), Cancelled);
 }

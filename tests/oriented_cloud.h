@@ -10,10 +10,16 @@
 
 namespace shrinkwrap::testing {
 
-/// The cloud of these points, with oriented normals and all defaults.
+/// The cloud of these points, with all defaults; its normals are of either sign.
+inline PointCloud prepared_cloud(const std::vector<Vec3>& points) {
+  Progress silent;
+  return prepare_samples(points, {}, silent);
+}
+
+/// The same with oriented normals.
 inline PointCloud oriented_cloud(const std::vector<Vec3>& points) {
   Progress silent;
-  PointCloud cloud = prepare_samples(points, {}, silent);
+  PointCloud cloud = prepared_cloud(points);
   orient_normals(cloud, {}, silent);
   return cloud;
 }
@@ -23,7 +29,7 @@ inline PointCloud oriented_cloud(const std::vector<Vec3>& points) {
 /// thin as that have bridges and tunnels then.
 inline PointCloud cloud_with_askew_normals(const std::vector<Vec3>& points, int stride) {
   Progress silent;
-  PointCloud cloud = prepare_samples(points, {}, silent);
+  PointCloud cloud = prepared_cloud(points);
   const Neighbourhoods around =
       find_neighbourhoods(cloud.position, cloud.search, cloud.neighbour_count, silent);
   for (Index i = 0; i < cloud.size(); i += stride) cloud.normal[i] = around.normal[i];

@@ -11,6 +11,7 @@
 
 #include "filter_outcomes.h"
 #include "orientation.h"
+#include "oriented_cloud.h"
 #include "shapes.h"
 
 namespace shrinkwrap {
@@ -18,15 +19,11 @@ namespace {
 
 using testing::closed_shapes;
 using testing::is_told;
+using testing::prepared_cloud;
 using testing::Random;
 using testing::run;
 using testing::sample_shape;
 using testing::ShapeKind;
-
-PointCloud prepare(const std::vector<Vec3>& points) {
-  Progress silent;
-  return prepare_samples(points, SampleOptions(), silent);
-}
 
 Vec3 origin_of(const PointCloud& cloud) {
   return cloud.frame.to_unit(Vec3::Zero());
@@ -124,7 +121,7 @@ Index count_turned_away(const PointCloud& cloud) {
 
 TEST(Station, OfOneViewOfACamera) {
   for (unsigned seed = 0; seed < 4; ++seed) {
-    const PointCloud cloud = prepare(view_of_table(seed));
+    const PointCloud cloud = prepared_cloud(view_of_table(seed));
     EXPECT_LT(spread_left(cloud), 0.1);
     EXPECT_LT(part_hidden(cloud), 0.1);
     EXPECT_TRUE(is_view(cloud));
@@ -134,12 +131,13 @@ TEST(Station, OfOneViewOfACamera) {
 TEST(Station, NotWhereTheCameraWasNot) {
   for (const Vec3& by :
        {Vec3(0.0, 0.0, -3.0), Vec3(-5.0, 0.0, 0.0), Vec3(0.0, 0.0, 20.0), Vec3(5e5, 5e6, 300.0)}) {
-    const PointCloud cloud = prepare(moved(view_of_table(1), by));
+    const PointCloud cloud = prepared_cloud(moved(view_of_table(1), by));
     EXPECT_FALSE(is_view(cloud)) << by.transpose();
   }
   for (const ShapeKind kind : closed_shapes())
     for (const double away : {0.0, 1.0, 2.0, 4.0}) {
-      const PointCloud cloud = prepare(moved(sample_shape(kind, 3000, 1), Vec3(away, 0.3, 0.1)));
+      const PointCloud cloud =
+          prepared_cloud(moved(sample_shape(kind, 3000, 1), Vec3(away, 0.3, 0.1)));
       EXPECT_FALSE(is_view(cloud)) << away;
     }
 }
@@ -151,7 +149,7 @@ TEST(Station, NotOfWhatHidesHalfOfItself) {
     std::vector<Vec3> points;
     for (const Vec3& p : ball_from({0.0, 0.0, -3.0}, 12000, 1))
       if (p.norm() < std::sqrt(8.0) || points.size() % behind == 0) points.push_back(p);
-    const PointCloud cloud = prepare(points);
+    const PointCloud cloud = prepared_cloud(points);
     EXPECT_LT(spread_left(cloud), options.most_spread_left);
     EXPECT_GT(part_hidden(cloud), options.most_hidden);
     EXPECT_FALSE(is_view(cloud));
@@ -170,13 +168,13 @@ TEST(Station, NotBehindTheSheet) {
     terrain.emplace_back(x, y, 3000.0 + 60.0 * std::sin(0.01 * x) * std::sin(0.01 * y));
   }
   const StationOptions options;
-  EXPECT_LT(spread_left(prepare(ring)), options.most_spread_left);
-  EXPECT_FALSE(is_view(prepare(ring)));
-  EXPECT_FALSE(is_view(prepare(terrain)));
+  EXPECT_LT(spread_left(prepared_cloud(ring)), options.most_spread_left);
+  EXPECT_FALSE(is_view(prepared_cloud(ring)));
+  EXPECT_FALSE(is_view(prepared_cloud(terrain)));
 }
 
 TEST(Station, NotWithinWhatIsAllAround) {
-  const PointCloud cloud = prepare(ball_from({0.6, 0.3, 0.2}, 6000, 1));
+  const PointCloud cloud = prepared_cloud(ball_from({0.6, 0.3, 0.2}, 6000, 1));
   const StationOptions options;
   EXPECT_LT(spread_left(cloud), options.most_spread_left);
   EXPECT_LT(part_hidden(cloud), options.most_hidden);
@@ -186,7 +184,7 @@ TEST(Station, NotWithinWhatIsAllAround) {
 TEST(Station, MayBeASample) {
   std::vector<Vec3> points = view_of_table(1);
   points.push_back(Vec3::Zero());
-  const PointCloud cloud = prepare(points);
+  const PointCloud cloud = prepared_cloud(points);
   EXPECT_TRUE(is_view(cloud));
 }
 
@@ -197,7 +195,7 @@ TEST(Station, NormalsFaceIt) {
   for (Vec3& p : view) p *= 1.0 + 0.001 * std::sin(20.0 * p.x()) * std::sin(20.0 * p.y());
   for (const bool is_turned : {false, true}) {
     const std::vector<Vec3> points = is_turned ? turned_about(view) : view;
-    PointCloud cloud = prepare(points);
+    PointCloud cloud = prepared_cloud(points);
     OrientationReport report = orient_normals(cloud, {}, silent);
     EXPECT_TRUE(report.is_view);
     EXPECT_GT(report.components, 0);
@@ -218,7 +216,7 @@ TEST(Station, NormalsFaceItOneByOne) {
   Progress silent;
   std::vector<Vec3> points = view_of_table(3);
   for (Vec3& p : points) p *= 0.05 * std::round(p.z() / 0.05) / p.z();
-  PointCloud cloud = prepare(points);
+  PointCloud cloud = prepared_cloud(points);
   EXPECT_TRUE(orient_normals(cloud, {}, silent).is_view);
   EXPECT_LT(count_turned_away(cloud), 0.01 * cloud.size());
   OrientationOptions without;
@@ -238,7 +236,7 @@ TEST(Station, NormalsSeenAslantAreLikeTheirNeighbours) {
         std::remove_if(points.begin(), points.end(), [](const Vec3& p) { return p.z() > 6.0; }),
         points.end());
     for (Vec3& p : points) p.y() += 0.008 * p.z() * random.gaussian();
-    PointCloud cloud = prepare(points);
+    PointCloud cloud = prepared_cloud(points);
     EXPECT_TRUE(orient_normals(cloud, {}, silent).is_view);
     Index wrong = 0, beyond = 0;
     for (Index i = 0; i < cloud.size(); ++i) {

@@ -306,8 +306,8 @@ void turn_outward(PointCloud& cloud, const SpanningForest& forest, const SampleV
 void turn_towards(const Vec3& station, PointCloud& cloud, const SpanningForest& forest,
                   Progress& progress) {
   const auto cosine = [&](Index i) {
-    const Vec3 way = station - cloud.position[i];
-    return way.norm() > 0.0 ? cloud.normal[i].cast<double>().dot(way.normalized()) : 0.0;
+    const Vec3 way = (station - cloud.position[i]).normalized();  // zero stays zero
+    return cloud.normal[i].cast<double>().dot(way);
   };
   std::vector<double> towards(static_cast<std::size_t>(forest.components), 0.0);
   for (Index i = 0; i < cloud.size(); ++i) towards[forest.component_of_sample[i]] += cosine(i);
