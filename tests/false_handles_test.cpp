@@ -149,7 +149,10 @@ TEST(FalseHandles, CutsPartNothing) {
   options.widest_gap = 0.0;
   Progress silent;
   const std::vector<Triangle> before = result.mesh.triangles();
-  EXPECT_EQ(cut_false_handles(result.mesh, oriented_cloud(samples.points), options, silent), 0);
+  const FalseHandleReport cut =
+      cut_false_handles(result.mesh, oriented_cloud(samples.points), options, silent);
+  EXPECT_EQ(cut.handles, 0);
+  EXPECT_EQ(cut.mouths, 0);
   EXPECT_EQ(result.mesh.triangles(), before);
 }
 

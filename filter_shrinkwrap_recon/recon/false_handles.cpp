@@ -58,22 +58,24 @@ class FalseHandles {
                       [&](Index v) { cosine_[v] = cosine_at(v); });
   }
 
-  // Cuts what can be cut at once and parts nothing. Returns how many handles.
-  Index cut_handles(Progress& progress) {
+  // Handles first: what is left of the loops are no handles, but may be mouths.
+  FalseHandleReport cut_all(Progress& progress) {
+    FalseHandleReport report;
     std::vector<Loop> loops = find_loops(progress);
-    keep_inseparable(mesh_, loops, progress);
+    for (int round = 0; round < kMostRounds && !loops.empty(); ++round) {
+      std::vector<Loop> handles = loops;
+      keep_inseparable(mesh_, handles, progress);
+      if (handles.empty()) break;
+      cut(handles, progress);
+      report.handles += static_cast<Index>(handles.size());
+      loops = find_loops(progress);
+    }
+    if (loops.empty()) return report;
+    keep_mouths_of_cavities(mesh_, loops, samples_by_vertex(progress), options_.least_of_cavity,
+                            progress);
     cut(loops, progress);
-    return static_cast<Index>(loops.size());
-  }
-
-  // Returns how many mouths of cavities.
-  Index close_mouths(Progress& progress) {
-    std::vector<Loop> loops = find_loops(progress);
-    if (!loops.empty())
-      keep_mouths_of_cavities(mesh_, loops, samples_by_vertex(progress), options_.least_of_cavity,
-                              progress);
-    cut(loops, progress);
-    return static_cast<Index>(loops.size());
+    report.mouths = static_cast<Index>(loops.size());
+    return report;
   }
 
  private:
@@ -179,24 +181,11 @@ class FalseHandles {
 
 }  // namespace
 
-Index cut_false_handles(SurfaceMesh& mesh, const PointCloud& cloud,
-                        const FalseHandleOptions& options, Progress& progress) {
-  FalseHandles handles(mesh, cloud, options, progress);
-  Index all = 0;
-  for (int round = 0; round < kMostRounds; ++round) {
-    const Index cut = handles.cut_handles(progress);
-    if (cut == 0) break;
-    all += cut;
-  }
-  if (all > 0) mesh.compact(progress);
-  return all;
-}
-
-Index close_false_mouths(SurfaceMesh& mesh, const PointCloud& cloud,
-                         const FalseHandleOptions& options, Progress& progress) {
-  const Index closed = FalseHandles(mesh, cloud, options, progress).close_mouths(progress);
-  if (closed > 0) mesh.compact(progress);
-  return closed;
+FalseHandleReport cut_false_handles(SurfaceMesh& mesh, const PointCloud& cloud,
+                                    const FalseHandleOptions& options, Progress& progress) {
+  const FalseHandleReport report = FalseHandles(mesh, cloud, options, progress).cut_all(progress);
+  if (report.handles + report.mouths > 0) mesh.compact(progress);
+  return report;
 }
 
 }  // namespace shrinkwrap

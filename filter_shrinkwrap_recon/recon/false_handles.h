@@ -22,19 +22,19 @@ struct FalseHandleOptions {
   Index least_of_cavity = 100;  ///< samples nearest to its wall, for its false mouth to be closed
 };
 
-/// Cuts false handles along such loops, and closes both sides of each with a fan: a bridge is
-/// severed, a tunnel filled. No cut separates the surface. Returns how many were cut. Pre: a closed
-/// 2-manifold of even edges, about as long as the voxels' (the boundary of a solid), without
-/// removed slots; `orient_normals` was called on the cloud. Post: the same, in canonical order.
-/// O(V).
-Index cut_false_handles(SurfaceMesh& mesh, const PointCloud& cloud,
-                        const FalseHandleOptions& options, Progress& progress);
+struct FalseHandleReport {
+  Index handles = 0;  ///< cut
+  Index mouths = 0;   ///< of cavities, closed
+};
 
-/// The same for tunnels that lead into a cavity, and so are no handles: closes them, which parts
-/// the wall of the cavity from the surface outside. Necks between bodies stay, as thin rods of few
-/// samples look like false ones. Pre: as above, and after `cut_false_handles`. Returns how many
-/// were closed. O(V + N).
-Index close_false_mouths(SurfaceMesh& mesh, const PointCloud& cloud,
-                         const FalseHandleOptions& options, Progress& progress);
+/// Cuts false handles along such loops, and closes both sides of each with a fan: a bridge is
+/// severed, a tunnel filled. None of these cuts separates the surface. Tunnels that lead into a
+/// cavity are no handles; those that are false are closed at last, which parts the wall of the
+/// cavity from the surface outside. Necks between bodies stay, as thin rods of few samples look
+/// like false ones. Pre: a closed 2-manifold of even edges, about as long as the voxels' (the
+/// boundary of a solid), without removed slots; `orient_normals` was called on the cloud. Post: the
+/// same, in canonical order. O(V + N).
+FalseHandleReport cut_false_handles(SurfaceMesh& mesh, const PointCloud& cloud,
+                                    const FalseHandleOptions& options, Progress& progress);
 
 }  // namespace shrinkwrap

@@ -146,42 +146,78 @@ void keep_supported(InitialMesh& boundary, const PointCloud& cloud, double reach
   report.genus = report.components + report.cavities - mesh.euler_characteristic() / 2;
 }
 
-// The boundary of the voxel solid of one voxel size.
+// The boundary of the voxel solid of one voxel size, in two steps, as what is only tried may be
+// given up after the first.
+class SolidBoundary {
+ public:
+  SolidBoundary(const PointCloud& cloud, const WindingNumber& winding,
+                const InitialMeshOptions& options, Progress& progress)
+      : cloud_(cloud),
+        options_(options),
+        least_support_(least_support(cloud.size(), options.min_component_samples)),
+        solid_(make_voxel_solid(cloud, winding, options, progress)) {
+    InitialMeshReport& report = result_.report;
+    const double voxel_size = solid_.lattice.size;
+    report.voxel_size = voxel_size / cloud.spacing;
+    report.voxels_are_larger = voxel_size > options.voxel_size * cloud.spacing;
+    if (!report.voxels_are_larger)
+      report.refined_parts = refine_dense_parts(solid_, cloud, winding, options, progress);
+    progress.set_range(0.6, 0.7);
+    extract(progress);
+  }
+
+  // Of which cutting false handles makes no more, but in a cavity.
+  Index components() const { return result_.report.components; }
+
+  InitialMesh finish(Progress& progress) && {
+    cut_what_is_false(progress);
+    result_.report.samples_with_solid_behind = fraction_with_solid_behind(cloud_, solid_, progress);
+    if (result_.mesh.face_count() == 0) {
+      solid_.image.mask = solid_.near_samples;
+      solid_.image.mask.resize(static_cast<std::size_t>(solid_.image.bricks.size()), 0);
+      least_support_ = 1;
+      extract(progress);
+      cut_what_is_false(progress);
+    }
+    return std::move(result_);
+  }
+
+ private:
+  void extract(Progress& progress) {
+    make_well_composed(solid_.image, progress);
+    result_.mesh = boundary_of(solid_.image, solid_.lattice, progress);
+    keep_what_is_supported(progress);
+  }
+
+  void cut_what_is_false(Progress& progress) {
+    if (!options_.false_handles.enabled) return;
+    FalseHandleOptions options = options_.false_handles;
+    options.least_of_cavity = std::max(options.least_of_cavity, least_support_);
+    const FalseHandleReport cut = cut_false_handles(result_.mesh, cloud_, options, progress);
+    InitialMeshReport& report = result_.report;
+    report.false_handles = cut.handles;
+    report.false_mouths = cut.mouths;
+    report.genus -= cut.handles;
+    if (cut.mouths == 0) return;
+    const Index dropped = report.dropped;
+    keep_what_is_supported(progress);
+    report.dropped += dropped;
+  }
+
+  void keep_what_is_supported(Progress& progress) {
+    keep_supported(result_, cloud_, kSupportReach * solid_.lattice.size, least_support_, progress);
+  }
+
+  const PointCloud& cloud_;
+  const InitialMeshOptions& options_;
+  Index least_support_;
+  VoxelSolid solid_;
+  InitialMesh result_;
+};
+
 InitialMesh solid_boundary(const PointCloud& cloud, const WindingNumber& winding,
                            const InitialMeshOptions& options, Progress& progress) {
-  InitialMesh result;
-  VoxelSolid solid = make_voxel_solid(cloud, winding, options, progress);
-  const double voxel_size = solid.lattice.size;
-  result.report.voxel_size = voxel_size / cloud.spacing;
-  result.report.voxels_are_larger = voxel_size > options.voxel_size * cloud.spacing;
-  if (!result.report.voxels_are_larger)
-    result.report.refined_parts = refine_dense_parts(solid, cloud, winding, options, progress);
-  const auto take_boundary = [&](Index min_samples) {
-    make_well_composed(solid.image, progress);
-    result.mesh = boundary_of(solid.image, solid.lattice, progress);
-    keep_supported(result, cloud, kSupportReach * voxel_size, min_samples, progress);
-    InitialMeshReport& report = result.report;
-    if (!options.false_handles.enabled) return;
-    if (report.genus > 0)
-      report.false_handles = cut_false_handles(result.mesh, cloud, options.false_handles, progress);
-    report.genus -= report.false_handles;
-    FalseHandleOptions mouths = options.false_handles;
-    mouths.least_of_cavity = std::max(mouths.least_of_cavity, min_samples);
-    report.false_mouths = close_false_mouths(result.mesh, cloud, mouths, progress);
-    if (report.false_mouths == 0) return;
-    const Index dropped = report.dropped;
-    keep_supported(result, cloud, kSupportReach * voxel_size, min_samples, progress);
-    report.dropped += dropped;
-  };
-  progress.set_range(0.6, 0.7);
-  take_boundary(least_support(cloud.size(), options.min_component_samples));
-  result.report.samples_with_solid_behind = fraction_with_solid_behind(cloud, solid, progress);
-  if (result.mesh.face_count() == 0) {
-    solid.image.mask = solid.near_samples;
-    solid.image.mask.resize(static_cast<std::size_t>(solid.image.bricks.size()), 0);
-    take_boundary(1);
-  }
-  return result;
+  return SolidBoundary(cloud, winding, options, progress).finish(progress);
 }
 
 // Handles, and of as many the fewer that had to be cut.
@@ -189,13 +225,17 @@ bool has_fewer_handles(const InitialMeshReport& a, const InitialMeshReport& b) {
   return std::tie(a.genus, a.false_handles) < std::tie(b.genus, b.false_handles);
 }
 
-// Nothing where no solid comes of it: what is only tried fails no run.
+// With voxels of so many times the size. Nothing where no solid comes of it, as what is only tried
+// fails no run, or one of fewer components than would be of use.
 std::optional<InitialMesh> try_boundary(const PointCloud& cloud, const WindingNumber& winding,
                                         InitialMeshOptions options, double ratio,
-                                        Progress& progress) {
+                                        Index least_components, Progress& progress) {
   options.voxel_size *= ratio;
   std::optional<InitialMesh> boundary;
-  attempted([&] { boundary = solid_boundary(cloud, winding, options, progress); });
+  attempted([&] {
+    SolidBoundary solid(cloud, winding, options, progress);
+    if (solid.components() >= least_components) boundary = std::move(solid).finish(progress);
+  });
   return boundary;
 }
 
@@ -207,8 +247,8 @@ InitialMesh boundary_with_fewer_handles(InitialMesh first, const PointCloud& clo
   if ((first.report.genus == 0 && first.report.false_handles == 0) ||
       options.second_voxel_ratio <= 0.0)
     return first;
-  std::optional<InitialMesh> second =
-      try_boundary(cloud, winding, options, options.second_voxel_ratio, progress);
+  std::optional<InitialMesh> second = try_boundary(
+      cloud, winding, options, options.second_voxel_ratio, first.report.components, progress);
   if (!second) return first;
   const InitialMeshReport &a = first.report, &b = second->report;
   if (!has_fewer_handles(b, a) || b.components < a.components ||
@@ -228,7 +268,8 @@ InitialMesh boundary_with_more_bodies(InitialMesh first, const PointCloud& cloud
       options.voxel_ratio_for_bodies <= 0.0)
     return first;
   std::optional<InitialMesh> second =
-      try_boundary(cloud, winding, options, options.voxel_ratio_for_bodies, progress);
+      try_boundary(cloud, winding, options, options.voxel_ratio_for_bodies,
+                   first.report.components + 1, progress);
   if (!second) return first;
   const InitialMeshReport &a = first.report, &b = second->report;
   const bool is_as_sound = b.genus <= a.genus && b.false_handles <= a.false_handles &&
@@ -265,7 +306,7 @@ std::optional<InitialMesh> boundary_of_detail(const PointCloud& cloud, const Win
   const double ratio = options.voxel_ratio_for_detail;
   if (ratio <= 0.0 || sharp <= options.least_sharp || cloud.closedness < kLeastClosedness)
     return std::nullopt;
-  std::optional<InitialMesh> mesh = try_boundary(cloud, winding, options, ratio, progress);
+  std::optional<InitialMesh> mesh = try_boundary(cloud, winding, options, ratio, 0, progress);
   if (!mesh || mesh->report.voxels_are_larger) return std::nullopt;
   options.voxel_size *= ratio;
   return boundary_with_fewer_handles(std::move(*mesh), cloud, winding, options, progress);
