@@ -123,18 +123,26 @@ void warn_of(const OrientationReport& report, std::vector<std::string>& warnings
         "is a guess. Where it is wrong, turn the mesh (filter \"Invert Faces Orientation\").");
 }
 
-void tell_of_noise(Filter filter, double noise, const DenoisingReport& denoising,
+void tell_of_noise(Filter filter, const NoiseEstimate& noise, const DenoisingReport& denoising,
                    const ReconstructionOptions& options, FilterOutcome& outcome) {
-  outcome.figures["noise"] = noise;
-  outcome.log.push_back("noise of the samples: about " + formatted("%.2f", noise) + " spacings");
+  const Layers& layers = noise.layers;
+  outcome.figures["noise"] = noise.median;
+  outcome.log.push_back("noise of the samples: about " + formatted("%.2f", noise.median) +
+                        " spacings");
+  if (layers.axis != kNone)
+    outcome.log.push_back(
+        "the samples lie in " + count_of(layers.count, "layer") + " along " +
+        std::string(1, "xyz"[layers.axis]) + ", " + formatted("%.1f", layers.step) +
+        " spacings apart: that coordinate was rounded to such steps, which count as noise. Samples "
+        "as far apart as the layers would do as well, and are sooner done.");
   if (denoising.moved > 0)
     outcome.log.push_back("noise smoothed: " + count_of(denoising.moved, "sample") + " moved by " +
                           formatted("%.2f", denoising.mean_displacement) +
                           " spacings in the mean, " +
                           formatted("%.2f", denoising.max_displacement) + " at most");
-  if (noise > options.noise.high && !options.stop_at_parametric_surface)
+  if (noise.median > options.noise.high && !options.stop_at_parametric_surface)
     outcome.warnings.push_back(
-        "The samples are noisy, by about " + formatted("%.2f", noise) +
+        "The samples are noisy, by about " + formatted("%.2f", noise.median) +
         " of their spacing: a mesh through every one of them is rough. " +
         (filter == Filter::reconstruct
              ? "Stop at the parametric surface (StopAtParametricSurface) for a smooth one near "

@@ -50,7 +50,7 @@ void warn_of_subdivision(const ParametricSurfaceReport& report, Index samples,
 
 /// How noisy the samples are, what was done about it, and what would suit them better, as far as
 /// `filter` can do it.
-void tell_of_noise(Filter filter, double noise, const DenoisingReport& denoising,
+void tell_of_noise(Filter filter, const NoiseEstimate& noise, const DenoisingReport& denoising,
                    const ReconstructionOptions& options, FilterOutcome& outcome);
 /// That the mesh faces the origin, if all was seen from there.
 void tell_of_view(const OrientationReport& report, FilterOutcome& outcome);

@@ -82,7 +82,7 @@ PointCloud prepare_oriented(Filter filter, const FilterInput& input, Reconstruct
   PointCloud cloud = prepare(input, options, progress, outcome);
   samples = orient_and_smooth(cloud, options, progress);
   warn_of(samples.orientation, outcome.warnings);
-  tell_of_noise(filter, samples.noise.median, samples.denoising, options, outcome);
+  tell_of_noise(filter, samples.noise, samples.denoising, options, outcome);
   tell_of_view(samples.orientation, outcome);
   return cloud;
 }

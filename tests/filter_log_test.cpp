@@ -67,6 +67,18 @@ TEST(FilterLog, NoiseAndWhatWasSmoothedAreTold) {
   EXPECT_FALSE(is_told(run(Filter::reconstruct, input), "noise smoothed"));
 }
 
+TEST(FilterLog, LayersAreTold) {
+  FilterInput input;
+  for (int x = 0; x < 60; ++x)
+    for (int y = 0; y < 60; ++y)
+      input.points.emplace_back(x, y, 3.0 * std::round(0.15 * x + 0.1 * y));
+  const FilterOutcome layered =
+      run(Filter::reconstruct, input, {{"StopAtParametricSurface", 1}, {"Openings", 1}});
+  EXPECT_TRUE(is_told(layered, "the samples lie in 16 layers along z, 2.9 spacings apart"));
+  for (Vec3& p : input.points) p.z() = 0.45 * p.x() + 0.3 * p.y() + 1e-3 * p.x() * p.x();
+  EXPECT_FALSE(is_told(run(Filter::reconstruct, input, {{"Openings", 1}}), "layers along"));
+}
+
 TEST(FilterLog, EveryRunEndsWithAVerdict) {
   const std::vector<Vec3> points = in_single_precision(sample_shape(ShapeKind::sphere, 800, 6));
   FilterInput input;

@@ -78,7 +78,7 @@ TEST(Noise, SurfacesOfSmallBallsStayApart) {
   options.stop_at_parametric_surface = true;
   Progress silent;
   const Reconstruction result = reconstruct(points, options, silent);
-  EXPECT_LT(result.noise, options.denoising.before_initial_mesh_from);
+  EXPECT_LT(result.noise.median, options.denoising.before_initial_mesh_from);
   EXPECT_EQ(result.report.components, 48);
   EXPECT_EQ(result.report.genus, 0);
 }
@@ -123,7 +123,7 @@ TEST(Noise, TheParametricSurfaceOfANoisyCloudIsSmoothedForIt) {
     return sum / static_cast<double>(result.mesh.position.size());
   };
   const Reconstruction smooth = surface_with(options);
-  EXPECT_GT(smooth.noise, options.noise.high);
+  EXPECT_GT(smooth.noise.median, options.noise.high);
   EXPECT_EQ(smooth.report.genus, shape_of(kind).genus);
   EXPECT_EQ(smooth.report.self_intersecting_faces, 0);
   options.noise.most_units = 0.0;

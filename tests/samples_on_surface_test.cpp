@@ -137,7 +137,7 @@ TEST(SamplesOnSurface, ARunThatStopsKeepsDetailThatTheSurfaceMisses) {
     const std::vector<Vec3> points = cube(8, seed, 0.1);
     const Reconstruction kept = stopped(points), smooth = stopped(points, false);
     EXPECT_FALSE(smooth.surface_detail.is_kept);
-    EXPECT_GT(smooth.surface_detail.upper_fifth, smooth.noise);
+    EXPECT_GT(smooth.surface_detail.upper_fifth, smooth.noise.median);
     ASSERT_TRUE(kept.surface_detail.is_kept);
     EXPECT_EQ(kept.surface_detail.upper_fifth, smooth.surface_detail.upper_fifth);
     EXPECT_LT(mean_distance_from_cube(kept), 0.65 * mean_distance_from_cube(smooth));
@@ -173,7 +173,7 @@ TEST(SamplesOnSurface, ASurfaceThatShowsAllIsTheResult) {
     if (noise == 0.0)
       EXPECT_LT(result.surface_detail.upper_twentieth, 0.06);
     else
-      EXPECT_LT(result.surface_detail.upper_fifth, result.noise);
+      EXPECT_LT(result.surface_detail.upper_fifth, result.noise.median);
   }
 }
 

@@ -221,7 +221,7 @@ TEST(Reconstruction, OfNoisyCloudsHasNoSmallerVoxels) {
     for (int axis = 0; axis < 3; ++axis)
       p[axis] += (p.x() > 1.2 ? 0.009 : 0.028) * random.gaussian();
   const Reconstruction result = reconstruct(points, {}, silent);
-  EXPECT_GT(result.noise, NoiseOptions().high);
+  EXPECT_GT(result.noise.median, NoiseOptions().high);
   EXPECT_EQ(result.initial_mesh.refined_parts, 0);
 }
 

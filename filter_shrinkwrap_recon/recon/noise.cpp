@@ -123,7 +123,7 @@ NoiseEstimate estimate_with(const PointCloud& cloud, Index stride, int neighbour
   double median = wide[wide.size() / 2];
   if (!narrow.empty())  // not of fewer than 14 neighbours
     median = variance_of_noise(narrow[narrow.size() / 2], median, neighbours);
-  return {std::sqrt(median), std::sqrt(wide[wide.size() * 4 / 5])};
+  return {std::sqrt(median), std::sqrt(wide[wide.size() * 4 / 5]), {}};
 }
 
 }  // namespace
@@ -142,6 +142,10 @@ NoiseEstimate estimate_noise(const PointCloud& cloud, const NoiseOptions& option
     neighbours = wider;
     noise = estimate_with(cloud, stride, neighbours, progress);
   }
+  noise.layers = find_layers(cloud, options.layers, progress);
+  const double deviation_of_step = 1.0 / std::sqrt(12.0);
+  noise.median = std::max(noise.median, deviation_of_step * noise.layers.step);
+  noise.upper_fifth = std::max(noise.upper_fifth, deviation_of_step * noise.layers.upper_fifth);
   return noise;
 }
 

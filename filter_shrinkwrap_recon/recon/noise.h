@@ -1,11 +1,13 @@
 // How noisy the samples are, relative to their spacing.
 #pragma once
 
+#include "layers.h"
 #include "point_cloud.h"
 
 namespace shrinkwrap {
 
 struct NoiseOptions {
+  LayerOptions layers;
   Index probes = 1024;  ///< samples that are looked at, evenly spread; fewer in small clouds
   /// Above this the surface through the samples is rough (x local spacing). Clean clouds have 0.12
   /// and less, unless they have about as few samples as bones and walls are thick (0.21).
@@ -27,6 +29,7 @@ struct NoiseEstimate {
   /// A fifth of the samples have more: where scans overlap, for example, or parts are so thin that
   /// quadrics miss them, which counts here.
   double upper_fifth = 0.0;
+  Layers layers;  ///< whose steps count as noise
 };
 
 /// The deviation of the samples from the surface that they lie on, in local spacings: what the
@@ -35,8 +38,9 @@ struct NoiseEstimate {
 /// quadric misses of a curved surface, which unlike noise grows with the neighbourhood: two sizes
 /// are fitted. Neighbourhoods are widened until they are wider than thick. About right to 0.5, and
 /// too low beyond (0.8 for 1, also because the spacing is then overestimated). 0 if there is too
-/// little to tell. Pre: `orient_normals` was called on the cloud. The same for any number of
-/// threads.
+/// little to tell. Samples in layers, whose neighbours may well have no deviation at all, have at
+/// least what rounding to steps makes of any surface: the step over the square root of 12. Pre:
+/// `orient_normals` was called on the cloud. The same for any number of threads.
 NoiseEstimate estimate_noise(const PointCloud& cloud, const NoiseOptions& options,
                              Progress& progress);
 

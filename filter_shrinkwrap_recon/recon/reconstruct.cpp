@@ -91,11 +91,11 @@ FittedSurface make_surface(PointCloud& cloud, const ReconstructionOptions& optio
   result.control_mesh = control.report;
 
   // Samples too clean to be moved before.
-  if (may_denoise(options, result.noise) && !cloud.is_denoised()) {
+  if (may_denoise(options, result.noise.median) && !cloud.is_denoised()) {
     progress.begin(Stage::parametric_surface);
     progress.set_part(0.0, 0.4);
-    result.denoising =
-        denoise(cloud, result.noise, options.samples.neighbours, options.denoising, progress);
+    result.denoising = denoise(cloud, result.noise.median, options.samples.neighbours,
+                               options.denoising, progress);
   }
   FittedSurface fitted = fit_surface(std::move(control.mesh), cloud, options, progress);
   if (is_needed) keep_detail(initial.mesh, cloud, options, fitted, result, log, progress);
@@ -237,7 +237,7 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
 
   const CloudReport samples = orient_and_smooth(cloud, options, progress);
   result.orientation = samples.orientation;
-  result.noise = samples.noise.median;
+  result.noise = samples.noise;
   result.denoising = samples.denoising;
   log.add(Stage::orientation, cloud.size());
 
@@ -249,7 +249,7 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   } else {
     FittedSurface fitted = make_surface(cloud, options, result, log, progress);
     if (options.stop_at_parametric_surface) {
-      result.mesh = stop_at(fitted, cloud, points, result.noise, options, progress);
+      result.mesh = stop_at(fitted, cloud, points, result.noise.median, options, progress);
       log.go_on(static_cast<Index>(result.mesh.position.size()));
       result.relaxation = std::move(fitted.relaxation);
       result.openings = fitted.openings;

@@ -122,7 +122,7 @@ struct Reconstruction {
   ConditioningReport conditioning;
   OutlierReport outliers;  ///< the samples that the promise leaves out
   OrientationReport orientation;
-  double noise = 0.0;         ///< of the samples, x spacing
+  NoiseEstimate noise;        ///< of the samples
   DenoisingReport denoising;  ///< of a noisy run that stops at the parametric surface
   InitialMeshReport initial_mesh;
   ControlMeshReport control_mesh;  ///< of the surface that stays
