@@ -89,6 +89,17 @@ TEST(Layers, CloseFarAndFewOnesAreNone) {
   EXPECT_EQ(layers_of(sample_stack(7, 4.0)).axis, kNone) << "these may be faces";
 }
 
+TEST(Layers, AreAsFarApartAsTheNearest) {
+  std::vector<Vec3> pairs;
+  for (const Vec3& p : sample_stack(20, 1.0)) {
+    const int layer = static_cast<int>(p.z());
+    pairs.emplace_back(p.x(), p.y(), 4.0 * (layer / 2) + layer % 2);
+  }
+  LayerOptions options;
+  options.least_part = 0.3;
+  EXPECT_EQ(layers_of(pairs, options).axis, kNone);
+}
+
 TEST(Layers, OfAPartOfTheSamplesAreNone) {
   std::vector<Vec3> points = sample_front(3.0);
   const std::vector<Vec3> beside = sample_front(0.0, 0.9 * kRadius);
@@ -109,14 +120,6 @@ TEST(Layers, FacesAcrossAnAxisAndSlicesAreNone) {
   LayerOptions options;
   options.thinness = 0.0;
   EXPECT_EQ(layers_of(slices, options).axis, 2) << "lines: this test tests nothing";
-}
-
-TEST(Layers, OfOneValueAreNone) {
-  LayerOptions options;
-  options.least_count = 0;
-  std::vector<Vec3> points = sample_stack(1, 0.0);
-  points.emplace_back(10.0, 10.0, 1e-9);  // all in one plane are no cloud
-  EXPECT_EQ(layers_of(points, options).axis, kNone);
 }
 
 TEST(Layers, CountAsNoise) {

@@ -10,9 +10,7 @@
 namespace shrinkwrap {
 namespace {
 
-constexpr double kMostNeighbours = 0.5;  // the part that has the same coordinate, at least
-
-// Whether most neighbours of a sample lie beside it, with the same coordinate, and all around.
+// Whether the neighbours that have the same coordinate as a sample lie on a patch, not on a line.
 bool is_in_patch(const PointCloud& cloud, Index sample, int axis, double thinness) {
   const Vec3& centre = cloud.position[sample];
   const Index* neighbours = cloud.neighbours_of(sample);
@@ -28,14 +26,13 @@ bool is_in_patch(const PointCloud& cloud, Index sample, int axis, double thinnes
     squares += offset * offset.transpose();
     ++beside;
   }
-  if (beside <= kMostNeighbours * cloud.neighbour_count) return false;
   const Eigen::Matrix2d scatter = squares / beside - sum * sum.transpose() / (beside * beside);
   const Eigen::Vector2d extent =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(scatter, Eigen::EigenvaluesOnly).eigenvalues();
   return extent[0] > thinness * thinness * extent[1];
 }
 
-// From a value to the nearest other one. Pre: ascending, at least two, `value` among them.
+// From a value to the nearest other one, infinite if there is none. Pre: `value` is among them.
 double step_at(const std::vector<double>& values, double value) {
   const auto at = std::lower_bound(values.begin(), values.end(), value);
   double step = INFINITY;
@@ -61,7 +58,7 @@ Layers layers_along(const PointCloud& cloud, int axis, const LayerOptions& optio
   values.reserve(cloud.position.size());
   for (const Vec3& p : cloud.position) values.push_back(p[axis]);
   sort_unique(values);
-  if (static_cast<Index>(values.size()) < std::max<Index>(options.least_count, 2)) return {};
+  if (static_cast<Index>(values.size()) < options.least_count) return {};
   std::vector<double> steps;  // x local spacing
   for (const Index i : in_patch) {
     const double step =
@@ -77,12 +74,10 @@ Layers layers_along(const PointCloud& cloud, int axis, const LayerOptions& optio
 }  // namespace
 
 Layers find_layers(const PointCloud& cloud, const LayerOptions& options, Progress& progress) {
-  Layers widest;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Layers layers = layers_along(cloud, axis, options, progress);
-    if (layers.step > widest.step) widest = layers;
-  }
-  return widest;
+  Layers layers;
+  for (int axis = 0; axis < 3 && layers.axis == kNone; ++axis)
+    layers = layers_along(cloud, axis, options, progress);
+  return layers;
 }
 
 }  // namespace shrinkwrap

@@ -23,12 +23,11 @@ struct Layers {
   double upper_fifth = 0.0;  ///< a fifth of the probes have more
 };
 
-/// Looks for samples that lie in patches of one and the same coordinate (to the bit), with others
-/// beside them a step away: most of the neighbours of a sample share it. Where a surface with
-/// faces across an axis is sampled all around, other faces hold values in between, and no step is
-/// that wide. Layers of slices are lines, not patches. Pre: the cloud was prepared. O(N log N) if
-/// there may be layers, fewer probes otherwise: no cost to speak of. The same for any number of
-/// threads.
+/// Looks for samples that lie in patches of one and the same coordinate (to the bit), the next
+/// value a step away. Where an object with faces across an axis is sampled all around, its other
+/// faces hold values in between, and no step is that wide. Slices are lines, not patches. Pre: the
+/// cloud was prepared. Where there are patches O(N log N), otherwise a few thousand probes: no cost
+/// to speak of. The same for any number of threads.
 Layers find_layers(const PointCloud& cloud, const LayerOptions& options, Progress& progress);
 
 }  // namespace shrinkwrap
