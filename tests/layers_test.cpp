@@ -43,15 +43,27 @@ std::vector<Vec3> sample_stack(int count, double distance) {
   return points;
 }
 
-// Around a cylinder, so far apart, of samples that are 1 apart.
-std::vector<Vec3> sample_rings(double distance) {
-  constexpr int kAround = 188;
+// Around a cylinder, so far apart, each of so many samples that are 1 apart.
+std::vector<Vec3> sample_rings(int around, double distance) {
+  const double radius = 0.5 * around / kPi;
   std::vector<Vec3> points;
   for (int k = 0; k < 12; ++k)
-    for (int i = 0; i < kAround; ++i) {
-      const double angle = 2.0 * kPi * (i + 0.37 * k) / kAround;
-      points.emplace_back(30.0 * std::cos(angle), 30.0 * std::sin(angle), distance * k);
+    for (int i = 0; i < around; ++i) {
+      const double angle = 2.0 * kPi * (i + 0.37 * k) / around;
+      points.emplace_back(radius * std::cos(angle), radius * std::sin(angle), distance * k);
     }
+  return points;
+}
+
+// A plate of 50 by 50 by 10 cells of a grid, whose vertices on its faces are the samples.
+std::vector<Vec3> sample_plate(double height_of_cell) {
+  constexpr int kCells = 50, kLayers = 10;
+  std::vector<Vec3> points;
+  for (int x = 0; x <= kCells; ++x)
+    for (int y = 0; y <= kCells; ++y)
+      for (int z = 0; z <= kLayers; ++z)
+        if (x % kCells == 0 || y % kCells == 0 || z % kLayers == 0)
+          points.emplace_back(x, y, z * height_of_cell);
   return points;
 }
 
@@ -86,7 +98,7 @@ TEST(Layers, CloseFarAndFewOnesAreNone) {
   EXPECT_EQ(layers_of(sample_front(1.0)).axis, kNone) << "steps of one spacing do no harm";
   EXPECT_EQ(layers_of(sample_stack(10, 4.0)).axis, 2);
   EXPECT_EQ(layers_of(sample_stack(10, 20.0)).axis, kNone) << "these are sheets";
-  EXPECT_EQ(layers_of(sample_stack(7, 4.0)).axis, kNone) << "these may be faces";
+  EXPECT_EQ(layers_of(sample_stack(5, 4.0)).axis, kNone) << "these may be faces";
 }
 
 TEST(Layers, AreAsFarApartAsTheNearest) {
@@ -96,7 +108,7 @@ TEST(Layers, AreAsFarApartAsTheNearest) {
     pairs.emplace_back(p.x(), p.y(), 4.0 * (layer / 2) + layer % 2);
   }
   LayerOptions options;
-  options.least_part = 0.3;
+  options.least_part = 0.1;
   EXPECT_EQ(layers_of(pairs, options).axis, kNone);
 }
 
@@ -106,8 +118,17 @@ TEST(Layers, OfAPartOfTheSamplesAreNone) {
   for (const Vec3& p : beside) points.push_back(p - Vec3(2.5 * kRadius, 0.0, 0.0));
   EXPECT_EQ(layers_of(points).axis, kNone);
   LayerOptions options;
-  options.least_part = 0.2;
+  options.least_part = 0.1;
   options.least_step = 0.0;  // those beside have values in between
+  EXPECT_EQ(layers_of(points, options).axis, 2);
+}
+
+TEST(Layers, OfAPartOfThePatchesAreNone) {
+  std::vector<Vec3> points = sample_front(1.0);
+  for (const Vec3& p : sample_stack(7, 4.0)) points.push_back(p + Vec3(0.0, 0.0, 200.0));
+  EXPECT_EQ(layers_of(points).axis, kNone);
+  LayerOptions options;
+  options.least_part = 0.1;
   EXPECT_EQ(layers_of(points, options).axis, 2);
 }
 
@@ -115,10 +136,14 @@ TEST(Layers, FacesAcrossAnAxisAndSlicesAreNone) {
   EXPECT_EQ(layers_of(sample_shape(ShapeKind::box, 4000, 1)).axis, kNone);
   EXPECT_EQ(layers_of(sample_shape(ShapeKind::thin_plate, 4000, 1)).axis, kNone);
   EXPECT_EQ(layers_of(cube_with_gaps({})).axis, kNone);
-  const std::vector<Vec3> slices = sample_rings(5.0);
+  EXPECT_EQ(layers_of(sample_plate(2.0)).axis, kNone);
+  const std::vector<Vec3> slices = sample_rings(188, 5.0);
   EXPECT_EQ(layers_of(slices).axis, kNone);
+  for (const double distance : {3.0, 6.0, 12.0})
+    for (const int around : {8, 16, 24})
+      EXPECT_EQ(layers_of(sample_rings(around, distance)).axis, kNone) << around << " " << distance;
   LayerOptions options;
-  options.thinness = 0.0;
+  options.widest_gap = 2.0 * kPi;
   EXPECT_EQ(layers_of(slices, options).axis, 2) << "lines: this test tests nothing";
 }
 
@@ -147,7 +172,7 @@ TEST(Layers, AreSmoothedWhereARunStopsAtTheSurface) {
     for (const Vec3& p : result.mesh.position) sum += std::abs(p.norm() - kRadius);
     return sum / static_cast<double>(result.mesh.position.size());
   };
-  EXPECT_LT(distance_from_ball(0.5), 0.25);
+  EXPECT_LT(distance_from_ball(0.25), 0.25);
   EXPECT_GT(distance_from_ball(2.0), 0.6) << "nothing is to be smoothed: this test tests nothing";
 }
 

@@ -1,6 +1,5 @@
 #include "layers.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -10,26 +9,37 @@
 namespace shrinkwrap {
 namespace {
 
-// Whether the neighbours that have the same coordinate as a sample lie on a patch, not on a line.
-bool is_in_patch(const PointCloud& cloud, Index sample, int axis, double thinness) {
+// Whether the neighbours that have the same coordinate as a sample lie all around it: not so where
+// they lie on a line, open or closed.
+bool is_in_patch(const PointCloud& cloud, Index sample, int axis, double widest_gap) {
   const Vec3& centre = cloud.position[sample];
   const Index* neighbours = cloud.neighbours_of(sample);
   const int across = (axis + 1) % 3, up = (axis + 2) % 3;
-  int beside = 0;
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  Eigen::Matrix2d squares = Eigen::Matrix2d::Zero();
-  for (int e = 0; e < cloud.neighbour_count; ++e) {
+  std::vector<double> directions;
+  for (int e = 1; e < cloud.neighbour_count; ++e) {
     const Vec3& p = cloud.position[neighbours[e]];
-    if (p[axis] != centre[axis]) continue;
-    const Eigen::Vector2d offset(p[across] - centre[across], p[up] - centre[up]);
-    sum += offset;
-    squares += offset * offset.transpose();
-    ++beside;
+    if (p[axis] == centre[axis])
+      directions.push_back(std::atan2(p[up] - centre[up], p[across] - centre[across]));
   }
-  const Eigen::Matrix2d scatter = squares / beside - sum * sum.transpose() / (beside * beside);
-  const Eigen::Vector2d extent =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(scatter, Eigen::EigenvaluesOnly).eigenvalues();
-  return extent[0] > thinness * thinness * extent[1];
+  if (directions.empty()) return false;
+  std::sort(directions.begin(), directions.end());
+  double gap = directions.front() + 2.0 * kPi - directions.back();
+  for (std::size_t k = 1; k < directions.size(); ++k)
+    gap = std::max(gap, directions[k] - directions[k - 1]);
+  return gap < widest_gap;
+}
+
+// Of how many values, equally frequent, two would be the same as often (Simpson's index). Pre: not
+// empty.
+double effective_count(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  double squares = 0.0;
+  for (auto begin = values.begin(); begin != values.end();) {
+    const auto end = std::upper_bound(begin, values.end(), *begin);
+    squares += static_cast<double>(end - begin) * static_cast<double>(end - begin);
+    begin = end;
+  }
+  return static_cast<double>(values.size()) * static_cast<double>(values.size()) / squares;
 }
 
 // From a value to the nearest other one, infinite if there is none. Pre: `value` is among them.
@@ -47,25 +57,26 @@ Layers layers_along(const PointCloud& cloud, int axis, const LayerOptions& optio
   const Index probes = (cloud.size() + stride - 1) / stride;
   std::vector<Index> in_patch;
   for (Index i = 0; i < cloud.size(); i += stride)
-    if (is_in_patch(cloud, i, axis, options.thinness)) in_patch.push_back(i);
-  const auto is_most = [&](std::size_t count) {
+    if (is_in_patch(cloud, i, axis, options.widest_gap)) in_patch.push_back(i);
+  const auto is_enough = [&](std::size_t count) {
     return static_cast<double>(count) >= options.least_part * probes;
   };
-  if (!is_most(in_patch.size())) return {};
+  if (!is_enough(in_patch.size())) return {};
   progress.update(1.0);
 
   std::vector<double> values;
   values.reserve(cloud.position.size());
   for (const Vec3& p : cloud.position) values.push_back(p[axis]);
   sort_unique(values);
-  if (static_cast<Index>(values.size()) < options.least_count) return {};
-  std::vector<double> steps;  // x local spacing
+  std::vector<double> steps, layers;  // x local spacing; coordinates
   for (const Index i : in_patch) {
-    const double step =
-        step_at(values, cloud.position[i][axis]) / static_cast<double>(cloud.local_spacing[i]);
-    if (step >= options.least_step && step <= options.most_step) steps.push_back(step);
+    const double value = cloud.position[i][axis];
+    const double step = step_at(values, value) / static_cast<double>(cloud.local_spacing[i]);
+    if (!(step >= options.least_step && step <= options.most_step)) continue;
+    steps.push_back(step);
+    layers.push_back(value);
   }
-  if (!is_most(steps.size())) return {};
+  if (!is_enough(steps.size()) || effective_count(layers) < options.least_count) return {};
   std::sort(steps.begin(), steps.end());
   return {axis, static_cast<Index>(values.size()), steps[steps.size() / 2],
           steps[steps.size() * 4 / 5]};

@@ -8,12 +8,16 @@
 namespace shrinkwrap {
 
 struct LayerOptions {
-  Index probes = 4096;      ///< samples that are looked at, evenly spread
-  double least_part = 0.5;  ///< of these lie in layers, or there are none
-  double least_step = 1.5;  ///< x local spacing: closer ones do no harm ...
-  double most_step = 12.0;  ///< ... and farther ones are sheets of their own
-  Index least_count = 8;    ///< of layers: fewer may well be the faces of an object
-  double thinness = 0.2;    ///< narrower patches, x their length, are lines, such as contours
+  Index probes = 4096;       ///< samples that are looked at, evenly spread
+  double least_part = 0.25;  ///< of these lie within layers, not at their ends, or there are none
+  double least_step = 1.5;   ///< x local spacing: closer ones do no harm ...
+  double most_step = 12.0;   ///< ... and farther ones are sheets of their own
+  /// Of layers, if all had as many samples as those that have the most: a few large ones may well
+  /// be the faces of an object, with rows of samples between them.
+  double least_count = 6.0;
+  /// Within a layer, around a sample (radians): along a line, such as a contour, open or closed,
+  /// there is one of half a turn.
+  double widest_gap = 5.0 / 6.0 * kPi;
 };
 
 struct Layers {
@@ -25,9 +29,9 @@ struct Layers {
 
 /// Looks for samples that lie in patches of one and the same coordinate (to the bit), the next
 /// value a step away. Where an object with faces across an axis is sampled all around, its other
-/// faces hold values in between, and no step is that wide. Slices are lines, not patches. Pre: the
-/// cloud was prepared. Where there are patches O(N log N), otherwise a few thousand probes: no cost
-/// to speak of. The same for any number of threads.
+/// faces hold values in between, and no step is that wide; or it has few such faces. Slices are
+/// lines, not patches. Pre: the cloud was prepared. Where there are patches O(N log N), otherwise a
+/// few thousand probes: no cost to speak of. The same for any number of threads.
 Layers find_layers(const PointCloud& cloud, const LayerOptions& options, Progress& progress);
 
 }  // namespace shrinkwrap
