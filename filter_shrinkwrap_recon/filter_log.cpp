@@ -133,8 +133,8 @@ void tell_of_noise(Filter filter, const NoiseEstimate& noise, const DenoisingRep
     outcome.log.push_back(
         "the samples lie in " + count_of(layers.count, "layer") + " along " +
         std::string(1, "xyz"[layers.axis]) + ", " + formatted("%.1f", layers.step) +
-        " spacings apart: that coordinate was rounded to such steps, which count as noise. Samples "
-        "as far apart as the layers would do as well, and are sooner done.");
+        " spacings apart: that coordinate seems to have been rounded to such steps, which count as "
+        "noise.");
   if (denoising.moved > 0)
     outcome.log.push_back("noise smoothed: " + count_of(denoising.moved, "sample") + " moved by " +
                           formatted("%.2f", denoising.mean_displacement) +

@@ -43,13 +43,13 @@ std::vector<Vec3> sample_stack(int count, double distance) {
   return points;
 }
 
-// Around a cylinder, so far apart, each of so many samples that are 1 apart.
-std::vector<Vec3> sample_rings(int around, double distance) {
-  const double radius = 0.5 * around / kPi;
+// Around a cylinder, or a cone, so far apart, each of so many samples that are 1 apart.
+std::vector<Vec3> sample_rings(int around, double distance, double growth = 0.0) {
   std::vector<Vec3> points;
   for (int k = 0; k < 12; ++k)
     for (int i = 0; i < around; ++i) {
       const double angle = 2.0 * kPi * (i + 0.37 * k) / around;
+      const double radius = 0.5 * around / kPi + growth * k;
       points.emplace_back(radius * std::cos(angle), radius * std::sin(angle), distance * k);
     }
   return points;
@@ -112,6 +112,16 @@ TEST(Layers, AreAsFarApartAsTheNearest) {
   EXPECT_EQ(layers_of(pairs, options).axis, kNone);
 }
 
+TEST(Layers, StepsMayDiffer) {
+  std::vector<Vec3> points;
+  for (const Vec3& p : sample_stack(20, 1.0))
+    points.emplace_back(p.x(), p.y(), 3.0 * (p.z() + std::max(p.z() - 11.0, 0.0)));
+  const Layers layers = layers_of(points);
+  EXPECT_EQ(layers.count, 20);
+  EXPECT_NEAR(layers.step, 3.0, 0.1);
+  EXPECT_NEAR(layers.upper_fifth, 6.0, 0.2);
+}
+
 TEST(Layers, OfAPartOfTheSamplesAreNone) {
   std::vector<Vec3> points = sample_front(3.0);
   const std::vector<Vec3> beside = sample_front(0.0, 0.9 * kRadius);
@@ -137,7 +147,7 @@ TEST(Layers, FacesAcrossAnAxisAndSlicesAreNone) {
   EXPECT_EQ(layers_of(sample_shape(ShapeKind::thin_plate, 4000, 1)).axis, kNone);
   EXPECT_EQ(layers_of(cube_with_gaps({})).axis, kNone);
   EXPECT_EQ(layers_of(sample_plate(2.0)).axis, kNone);
-  const std::vector<Vec3> slices = sample_rings(188, 5.0);
+  const std::vector<Vec3> slices = sample_rings(188, 5.0, 3.0);
   EXPECT_EQ(layers_of(slices).axis, kNone);
   for (const double distance : {3.0, 6.0, 12.0})
     for (const int around : {8, 16, 24})
@@ -145,6 +155,18 @@ TEST(Layers, FacesAcrossAnAxisAndSlicesAreNone) {
   LayerOptions options;
   options.widest_gap = 2.0 * kPi;
   EXPECT_EQ(layers_of(slices, options).axis, 2) << "lines: this test tests nothing";
+}
+
+TEST(Layers, RoughProfilesAreNone) {
+  for (const double distance : {6.0, 10.0})
+    for (const unsigned seed : {1u, 2u, 3u}) {
+      Random random(seed);
+      std::vector<Vec3> profiles;
+      for (int k = 0; k < 20; ++k)
+        for (int x = 0; x < 400; ++x)
+          profiles.emplace_back(x, distance * k, 1.2 * random.gaussian());
+      EXPECT_EQ(layers_of(profiles).axis, kNone) << distance << " " << seed;
+    }
 }
 
 TEST(Layers, CountAsNoise) {

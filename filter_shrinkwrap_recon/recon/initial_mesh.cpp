@@ -166,7 +166,7 @@ class SolidBoundary {
     extract(progress);
   }
 
-  // Of which cutting false handles makes no more, but in a cavity.
+  // Cutting false handles adds none: it parts nothing but the wall of a cavity.
   Index components() const { return result_.report.components; }
 
   InitialMesh finish(Progress& progress) && {

@@ -9,9 +9,12 @@
 namespace shrinkwrap {
 namespace {
 
-// Whether the neighbours that have the same coordinate as a sample lie all around it: not so where
-// they lie on a line, open or closed.
+constexpr float kAcross = 0.5f;  // cosine between the axis and the normal in a layer, at least
+
+// Whether the surface runs across the axis and the neighbours that have the same coordinate as a
+// sample lie all around it: not so where they lie on a line, open or closed.
 bool is_in_patch(const PointCloud& cloud, Index sample, int axis, double widest_gap) {
+  if (std::abs(cloud.normal[sample][axis]) < kAcross) return false;
   const Vec3& centre = cloud.position[sample];
   const Index* neighbours = cloud.neighbours_of(sample);
   const int across = (axis + 1) % 3, up = (axis + 2) % 3;
@@ -76,9 +79,12 @@ Layers layers_along(const PointCloud& cloud, int axis, const LayerOptions& optio
     steps.push_back(step);
     layers.push_back(value);
   }
-  if (!is_enough(steps.size()) || effective_count(layers) < options.least_count) return {};
+  if (steps.empty() || !is_enough(steps.size()) ||
+      effective_count(layers) < options.least_effective_count)
+    return {};
   std::sort(steps.begin(), steps.end());
-  return {axis, static_cast<Index>(values.size()), steps[steps.size() / 2],
+  sort_unique(layers);
+  return {axis, static_cast<Index>(layers.size()), steps[steps.size() / 2],
           steps[steps.size() * 4 / 5]};
 }
 
@@ -86,6 +92,7 @@ Layers layers_along(const PointCloud& cloud, int axis, const LayerOptions& optio
 
 Layers find_layers(const PointCloud& cloud, const LayerOptions& options, Progress& progress) {
   Layers layers;
+  if (cloud.conditioning.on_lines) return layers;
   for (int axis = 0; axis < 3 && layers.axis == kNone; ++axis)
     layers = layers_along(cloud, axis, options, progress);
   return layers;

@@ -143,9 +143,11 @@ NoiseEstimate estimate_noise(const PointCloud& cloud, const NoiseOptions& option
     noise = estimate_with(cloud, stride, neighbours, progress);
   }
   noise.layers = find_layers(cloud, options.layers, progress);
-  const double deviation_of_step = 1.0 / std::sqrt(12.0);
-  noise.median = std::max(noise.median, deviation_of_step * noise.layers.step);
-  noise.upper_fifth = std::max(noise.upper_fifth, deviation_of_step * noise.layers.upper_fifth);
+  const auto count = [](double& deviation, double step) {
+    deviation = std::max(deviation, std::min(step / std::sqrt(12.0), 1.0));
+  };
+  count(noise.median, noise.layers.step);
+  count(noise.upper_fifth, noise.layers.upper_fifth);
   return noise;
 }
 

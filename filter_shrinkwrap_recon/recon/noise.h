@@ -39,8 +39,9 @@ struct NoiseEstimate {
 /// are fitted. Neighbourhoods are widened until they are wider than thick. About right to 0.5, and
 /// too low beyond (0.8 for 1, also because the spacing is then overestimated). 0 if there is too
 /// little to tell. Samples in layers, whose neighbours may well have no deviation at all, have at
-/// least what rounding to steps makes of any surface: the step over the square root of 12. Pre:
-/// `orient_normals` was called on the cloud. The same for any number of threads.
+/// least that of rounding across the axis, the step over the square root of 12, but not more than a
+/// spacing for that. Pre: `orient_normals` was called on the cloud. The same for any number of
+/// threads.
 NoiseEstimate estimate_noise(const PointCloud& cloud, const NoiseOptions& options,
                              Progress& progress);
 
