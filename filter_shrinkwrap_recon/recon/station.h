@@ -13,7 +13,7 @@ struct StationOptions {
   /// Less than so much, x what is left if they are put down to the way to the place opposite: a
   /// sheet is as dense as seen from behind, too, if all of it is as far away.
   double most_over_opposite = 0.5;
-  double most_hidden = 0.35; ///< of the area; of a closed surface about half is
+  double most_hidden = 0.35;  ///< of the area; of a closed surface about half is
   /// Length of the mean of the normals over the area, turned to the station, at least: that of what
   /// closes around the station, as a room does, is none, and makes a body.
   double least_sheet_normal = 0.3;
