@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "filter_outcomes.h"
 #include "shapes.h"
 

@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "expect_mesh.h"
 #include "noise.h"
 #include "oriented_cloud.h"
 #include "reconstruct.h"
@@ -172,13 +172,21 @@ TEST(Layers, RoughProfilesAreNone) {
 TEST(Layers, CountAsNoise) {
   for (const double step : {2.0, 3.0}) {
     const std::vector<Vec3> front = sample_front(step);
-    EXPECT_NEAR(noise_of(front).median, step / std::sqrt(12.0), 0.1);
-    EXPECT_NEAR(noise_of(front).upper_fifth, step / std::sqrt(12.0), 0.1);
+    const NoiseEstimate noise = noise_of(front);
+    EXPECT_NEAR(noise.median, step / std::sqrt(12.0), 0.1);
+    EXPECT_NEAR(noise.upper_fifth, step / std::sqrt(12.0), 0.1);
     NoiseOptions without;
     without.layers.least_part = 2.0;
     Progress silent;
     EXPECT_EQ(estimate_noise(oriented_cloud(front), without, silent).median, 0.0);
   }
+}
+
+TEST(Layers, CountAsNoiseOfOneSpacingAtMost) {
+  const NoiseEstimate noise = noise_of(sample_stack(10, 6.0));
+  EXPECT_NEAR(noise.layers.step, 6.0, 0.2);
+  EXPECT_EQ(noise.median, 1.0);
+  EXPECT_EQ(noise.upper_fifth, 1.0);
 }
 
 TEST(Layers, AreSmoothedWhereARunStopsAtTheSurface) {

@@ -22,7 +22,7 @@ struct LayerOptions {
 
 struct Layers {
   int axis = kNone;          ///< of the coordinate that tells the layers; kNone: there are none
-  Index count = 0;           ///< of these
+  Index count = 0;           ///< of the layers that hold a probe
   double step = 0.0;         ///< x local spacing, between layers, the median over the probes
   double upper_fifth = 0.0;  ///< a fifth of the probes have more
 };
