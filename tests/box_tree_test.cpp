@@ -80,5 +80,57 @@ TEST(BoxTree, StopsAtTheFirstOneWanted) {
       BoxTree().any_near(faces.positions, faces.triangles.back(), [](Index) { return true; }));
 }
 
+TEST(BoxTree, OfAPartFindsTheSameWithinItsBox) {
+  const Faces faces = small_and_long_faces(4);
+  Progress silent;
+  BoxTree whole(faces.positions, faces.triangles, silent);
+  const std::vector<Triangle> patch(faces.triangles.begin() + faces.small + 10,
+                                    faces.triangles.begin() + faces.small + 12);
+  const BoxTree::Box box = whole.box_of(faces.positions, patch);
+  BoxTree part(whole, box);
+  const auto overlapping = [&](const BoxTree& tree, const BoxTree::Box& within) {
+    std::vector<Index> found;
+    tree.for_each_overlap(within, [&](Index f) { found.push_back(f); });
+    return found;
+  };
+  const auto expect_same = [&] {
+    EXPECT_EQ(overlapping(part, box), overlapping(whole, box)) << "in the same order";
+    for (Index f = 0; f < static_cast<Index>(faces.triangles.size()); ++f) {
+      const BoxTree::Box of_face = whole.box_of(faces.positions, faces.triangles[f]);
+      const bool is_within = of_face[0] >= box[0] && of_face[1] >= box[1] && of_face[2] >= box[2] &&
+                             of_face[3] <= box[3] && of_face[4] <= box[4] && of_face[5] <= box[5];
+      if (!is_within) continue;
+      EXPECT_EQ(overlapping(part, of_face), overlapping(whole, of_face));
+    }
+  };
+  const std::size_t count = overlapping(whole, box).size();
+  ASSERT_GT(count, 100u);
+  ASSERT_LT(2 * count, faces.triangles.size());
+  expect_same();
+  // Faces of the part take each other's boxes.
+  const std::vector<Index> found = overlapping(part, box);
+  for (std::size_t i = 0; i < 50; ++i) {
+    const BoxTree::Box moved =
+        whole.box_of(faces.positions, faces.triangles[found[found.size() - 1 - i]]);
+    whole.set_box(found[i], moved);
+    part.set_box(found[i], moved);
+  }
+  expect_same();
+  EXPECT_TRUE(overlapping(BoxTree(whole, {1e9f, 1e9f, 1e9f, 2e9f, 2e9f, 2e9f}), box).empty());
+}
+
+TEST(BoxTree, BoxesThatTouchOverlap) {
+  const BoxTree::Box box = {0.0f, 0.0f, 0.0f, 1.0f, 1.0f, 1.0f};
+  EXPECT_TRUE(BoxTree::overlap(box, box));
+  for (int axis = 0; axis < 3; ++axis) {
+    BoxTree::Box beside = box;
+    beside[axis] = 1.0f;
+    beside[axis + 3] = 2.0f;
+    EXPECT_TRUE(BoxTree::overlap(box, beside) && BoxTree::overlap(beside, box));
+    beside[axis] = 1.5f;
+    EXPECT_FALSE(BoxTree::overlap(box, beside) || BoxTree::overlap(beside, box));
+  }
+}
+
 }  // namespace
 }  // namespace shrinkwrap

@@ -59,6 +59,60 @@ TEST(FaceMeetings, AreThoseOfTheMeshAfterEveryChange) {
   }
 }
 
+TEST(FaceMeetings, APatchHasAnAccountOfItsOwn) {
+  Random random(5);
+  SurfaceMesh mesh = shaken_sphere(random);
+  Progress progress;
+  std::vector<Index> absent;
+  for (Index f = 3; f < mesh.face_slots(); f += 50) absent.push_back(f);
+  FaceMeetings whole(mesh, kManyTests, progress, absent);
+  std::vector<Index> patch;
+  for (Index f = 0; f < mesh.face_slots(); ++f)
+    if (mesh.position[mesh.triangle(f)[0]].z() > 0.6) patch.push_back(f);
+  FaceMeetings part(whole, patch, 1000000);
+  EXPECT_EQ(part.pairs_of(patch), whole.pairs_of(patch));
+  const Pairs at_first = whole.pairs_of(patch);
+  int flips = 0;
+  for (int change = 0; change < 1000; ++change) {
+    const Index h = random.below(mesh.halfedge_slots());
+    const Index f = SurfaceMesh::face(h), g = SurfaceMesh::face(mesh.twin(h));
+    const auto may_change = [&](Index face) {
+      return std::binary_search(patch.begin(), patch.end(), face) &&
+             !std::binary_search(absent.begin(), absent.end(), face);
+    };
+    if (!may_change(f) || !may_change(g) || !mesh.is_flip_legal(h)) continue;
+    mesh.flip(h);
+    ++flips;
+    Pairs pairs;
+    if (part.meet(mesh.triangle(f), mesh.triangle(g))) pairs.emplace_back(f, g);
+    const auto skip = [&](Index other) { return other == f || other == g; };
+    ASSERT_TRUE(part.find(mesh.triangle(f), f, 1000, skip, pairs));
+    ASSERT_TRUE(part.find(mesh.triangle(g), g, 1000, skip, pairs));
+    part.update_boxes({f, g});
+    part.replace({f, g}, pairs);
+  }
+  ASSERT_GT(flips, 20);
+  part.update_boxes(patch);  // the absent ones have none
+  EXPECT_EQ(whole.pairs_of(patch), at_first) << "it knows nothing of that yet";
+  ASSERT_NE(part.pairs_of(patch), at_first);
+  EXPECT_GT(part.tests(), 0);
+  whole.take_over(patch, part);
+  EXPECT_EQ(whole.tests(), part.tests());
+  FaceMeetings anew(mesh, kManyTests, progress, absent);
+  EXPECT_EQ(whole.pair_count(), anew.pair_count());
+  EXPECT_EQ(whole.pairs_of(whole.faces()), anew.pairs_of(anew.faces()));
+  // The boxes, too, are those of now.
+  for (const Index f : patch) {
+    Pairs found, expected;
+    const auto skip = [&](Index other) { return other == f; };
+    EXPECT_TRUE(whole.find(mesh.triangle(f), f, 1000, skip, found));
+    EXPECT_TRUE(anew.find(mesh.triangle(f), f, 1000, skip, expected));
+    std::sort(found.begin(), found.end());
+    std::sort(expected.begin(), expected.end());
+    EXPECT_EQ(found, expected);
+  }
+}
+
 TEST(FaceMeetings, AbsentFacesMeetNothing) {
   Random random(3);
   const SurfaceMesh mesh = shaken_sphere(random);

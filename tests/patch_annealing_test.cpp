@@ -2,11 +2,13 @@
 #include "patch_annealing.h"
 
 #include <gtest/gtest.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <numeric>
 
 #include "expect_mesh.h"
+#include "face_patches.h"
 #include "meeting_pairs.h"
 #include "shapes.h"
 
@@ -224,6 +226,146 @@ TEST(PatchAnnealing, SameEveryTime) {
   anneal(first, patch, progress);
   anneal(second, patch, progress);
   EXPECT_EQ(first.triangles(), second.triangles());
+}
+
+// Spoilt spheres apart from each other.
+SurfaceMesh spoilt_spheres(unsigned count) {
+  std::vector<SurfaceMesh> spheres;
+  for (unsigned i = 0; i < count; ++i)
+    spheres.push_back(testing::placed(spoilt_sphere(i), 1.0, Vec3(3.0 * i, 0.0, 0.0)));
+  return testing::joined(spheres);
+}
+
+struct AnnealedAround {
+  SurfaceMesh mesh;
+  std::vector<AnnealedPatch> better;
+  std::int64_t moves_left, tests;
+};
+
+AnnealedAround anneal_all(SurfaceMesh mesh, const std::vector<std::vector<Index>>& sets, int rings,
+                          int threads, std::int64_t moves = 10000000,
+                          std::int64_t tests = kManyTests, const AnnealingOptions& options = {}) {
+  AnnealedAround result{std::move(mesh), {}, moves, 0};
+  tbb::task_arena arena(threads);
+  arena.execute([&] {
+    Progress progress;
+    FaceMeetings meetings(result.mesh, tests, progress);
+    const std::vector<Index> none;
+    HingeFlips hinges(result.mesh, meetings, none);
+    result.better =
+        anneal_around(hinges, sets, rings, kLimits, options, result.moves_left, progress, 0.0);
+    EXPECT_EQ(meetings.pair_count(), count_pairs(result.mesh)) << "what is known is right";
+    result.tests = meetings.tests();
+  });
+  return result;
+}
+
+// The faces that meet others, in sets that do not touch each other.
+std::vector<std::vector<Index>> sets_of(const SurfaceMesh& mesh) {
+  Progress progress;
+  const FaceMeetings meetings(mesh, kManyTests, progress);
+  return clusters_of(mesh, meetings.faces());
+}
+
+// A sphere with small knots all over, many of them close to others.
+SurfaceMesh shaken_sphere(unsigned seed) {
+  Random random(seed);
+  SurfaceMesh mesh = icosphere(4);
+  for (Vec3& p : mesh.position) p += 0.05 * random.in_cube();
+  return mesh;
+}
+
+TEST(AnnealAround, IsAsOnePatchAfterTheOther) {
+  for (const SurfaceMesh& mesh : {spoilt_spheres(12), shaken_sphere(1), shaken_sphere(2)}) {
+    const std::vector<std::vector<Index>> sets = sets_of(mesh);
+    ASSERT_GT(sets.size(), 12u);
+    SurfaceMesh expected = mesh;
+    std::size_t better = 0;
+    std::int64_t moves = 0, most = 0;  // that all make, and that one may make
+    {
+      Progress progress;
+      FaceMeetings meetings(expected, kManyTests, progress);
+      const std::vector<Index> none;
+      HingeFlips hinges(expected, meetings, none);
+      for (const std::vector<Index>& set : sets) {
+        if (meetings.pairs_of(set).empty()) continue;
+        const std::vector<Index> patch = faces_near(expected, set, 1);
+        std::int64_t left = 1000000;
+        if (anneal_patch(hinges, patch, kLimits, {}, left, progress, 0.0)) ++better;
+        moves += 1000000 - left;
+        most = std::max(most, static_cast<std::int64_t>(100 * patch.size()));
+      }
+    }
+    ASSERT_LT(2 * count_pairs(expected), count_pairs(mesh));
+    for (const int threads : {1, 2, 5}) {
+      SCOPED_TRACE(threads);
+      const AnnealedAround found = anneal_all(mesh, sets, 1, threads);
+      EXPECT_EQ(found.mesh.triangles(), expected.triangles());
+      EXPECT_TRUE(found.mesh.is_consistent());
+      EXPECT_EQ(found.better.size(), better);
+      EXPECT_EQ(found.moves_left, 10000000 - moves);
+    }
+    // Moves that some leave are of use to others.
+    const AnnealedAround in_brief = anneal_all(mesh, sets, 1, 2, moves + most);
+    EXPECT_EQ(in_brief.mesh.triangles(), expected.triangles());
+    EXPECT_EQ(in_brief.moves_left, most);
+  }
+}
+
+TEST(AnnealAround, TellsWhatHasChanged) {
+  const SurfaceMesh mesh = spoilt_spheres(3);
+  std::vector<std::vector<Index>> sets = sets_of(mesh);
+  const AnnealedAround found = anneal_all(mesh, sets, 2, 2);
+  std::vector<Index> changed;
+  for (const AnnealedPatch& patch : found.better) {
+    EXPECT_TRUE(std::includes(patch.faces.begin(), patch.faces.end(), patch.changed.begin(),
+                              patch.changed.end()));
+    changed.insert(changed.end(), patch.changed.begin(), patch.changed.end());
+  }
+  ASSERT_FALSE(changed.empty());
+  for (Index f = 0; f < mesh.face_slots(); ++f)
+    EXPECT_TRUE(found.mesh.triangle(f) == mesh.triangle(f) ||
+                std::count(changed.begin(), changed.end(), f) > 0)
+        << "face " << f;
+}
+
+TEST(AnnealAround, MakesNoMoreMovesAndTestsThanItMay) {
+  const SurfaceMesh mesh = spoilt_spheres(6);
+  const std::vector<std::vector<Index>> sets = sets_of(mesh);
+  for (const std::int64_t moves : {0, 1, 1000, 7001}) {
+    const AnnealedAround one = anneal_all(mesh, sets, 1, 1, moves);
+    const AnnealedAround two = anneal_all(mesh, sets, 1, 2, moves);
+    EXPECT_GE(one.moves_left, 0);
+    EXPECT_EQ(one.moves_left, two.moves_left);
+    EXPECT_EQ(one.mesh.triangles(), two.mesh.triangles());
+  }
+  for (const std::int64_t tests : {0, 10, 20000}) {
+    const AnnealedAround one = anneal_all(mesh, sets, 1, 1, 10000000, tests);
+    const AnnealedAround two = anneal_all(mesh, sets, 1, 2, 10000000, tests);
+    EXPECT_LE(one.tests, tests);
+    EXPECT_EQ(one.tests, two.tests);
+    EXPECT_EQ(one.mesh.triangles(), two.mesh.triangles());
+  }
+  AnnealingOptions hot;  // to the end
+  hot.first_temperature = hot.last_temperature = 100.0;
+  hot.moves_per_set_face = 3;
+  std::int64_t most = 0;
+  for (const std::vector<Index>& set : sets) most += 3 * static_cast<std::int64_t>(set.size());
+  EXPECT_GE(anneal_all(mesh, sets, 1, 2, 10000000, kManyTests, hot).moves_left, 10000000 - most);
+}
+
+TEST(AnnealAround, PassesOverWhatItCannotHelp) {
+  const SurfaceMesh sphere = icosphere(3), mesh = spoilt_sphere(1);
+  const std::vector<Index> cap = cap_of(icosphere(3), 0.85);
+  EXPECT_EQ(anneal_all(sphere, {cap}, 1, 1).moves_left, 10000000) << "nothing meets";
+  std::vector<Index> all(static_cast<std::size_t>(mesh.face_slots()));
+  std::iota(all.begin(), all.end(), 0);
+  ASSERT_GT(all.size(), kLargestPatch);
+  EXPECT_EQ(anneal_all(mesh, {all}, 0, 1).moves_left, 10000000) << "a heap";
+  EXPECT_EQ(anneal_all(mesh, {all, cap}, 0, 1).better.size(), 1u);
+  AnnealingOptions off;
+  off.moves_per_face = 0;
+  EXPECT_TRUE(anneal_all(mesh, {cap}, 0, 1, 10000000, kManyTests, off).better.empty());
 }
 
 TEST(PatchAnnealing, CanBeCancelled) {

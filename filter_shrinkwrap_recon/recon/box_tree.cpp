@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "morton.h"
 #include "parallel.h"
@@ -56,6 +57,19 @@ BoxTree::Box BoxTree::box_of(const std::vector<Vec3>& positions, const Triangle&
   const Vec3 high = (a.cwiseMax(b).cwiseMax(c) - center_) * scale_;
   return {static_cast<float>(low.x()),  static_cast<float>(low.y()),  static_cast<float>(low.z()),
           static_cast<float>(high.x()), static_cast<float>(high.y()), static_cast<float>(high.z())};
+}
+
+BoxTree::Box BoxTree::box_of(const std::vector<Vec3>& positions,
+                             const std::vector<Triangle>& triangles) const {
+  Box all = box_of(positions, triangles.front());
+  for (const Triangle& t : triangles) {
+    const Box box = box_of(positions, t);
+    for (int axis = 0; axis < 3; ++axis) {
+      all[axis] = std::min(all[axis], box[axis]);
+      all[axis + 3] = std::max(all[axis + 3], box[axis + 3]);
+    }
+  }
+  return all;
 }
 
 BoxTree::Slabs BoxTree::slabs_of(const std::vector<Vec3>& positions, const Triangle& t) const {
@@ -115,6 +129,34 @@ BoxTree::BoxTree(const std::vector<Vec3>& positions, const std::vector<Triangle>
   keyed = {};
   if (order_.empty()) return;
 
+  lay_out_levels();
+  const Index count = static_cast<Index>(order_.size());
+  parallel_for_each(count, kGrain, progress, [&](Index i) {
+    put_box(group_[i / 4], i % 4, box_of(positions, triangles[order_[i]]));
+  });
+  fill_upper_levels(progress);
+}
+
+BoxTree::BoxTree(const BoxTree& whole, const Box& box)
+    : center_(whole.center_), scale_(whole.scale_), is_part_(true) {
+  std::vector<Box> boxes;
+  whole.descend(box, 0, 0, [&](Index i) {
+    const Group& group = whole.group(0, i);
+    for (unsigned left = overlaps(group, box); left != 0; left &= left - 1) {
+      const Index lane = kLowestLane[left];
+      order_.push_back(whole.order_[4 * static_cast<std::size_t>(i) + lane]);
+      boxes.push_back(box_in(group, lane));
+    }
+  });
+  if (order_.empty()) return;
+  lay_out_levels();
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    put_box(group_[i / 4], static_cast<Index>(i % 4), boxes[i]);
+  Progress silent;
+  fill_upper_levels(silent);
+}
+
+void BoxTree::lay_out_levels() {
   std::size_t total = 0;
   for (std::size_t entries = order_.size();; entries = (entries + 3) / 4) {
     level_begin_.push_back(total);
@@ -122,10 +164,9 @@ BoxTree::BoxTree(const std::vector<Vec3>& positions, const std::vector<Triangle>
     if (entries <= 4) break;
   }
   group_.assign(total, empty_group());
-  const Index count = static_cast<Index>(order_.size());
-  parallel_for_each(count, kGrain, progress, [&](Index i) {
-    put_box(group_[i / 4], i % 4, box_of(positions, triangles[order_[i]]));
-  });
+}
+
+void BoxTree::fill_upper_levels(Progress& progress) {
   for (std::size_t level = 1; level < level_begin_.size(); ++level) {
     const std::size_t below = level_begin_[level - 1];
     const Index entries = static_cast<Index>(level_begin_[level] - below);
@@ -135,13 +176,24 @@ BoxTree::BoxTree(const std::vector<Vec3>& positions, const std::vector<Triangle>
   }
 }
 
+Index BoxTree::place_of(Index face) const {
+  if (!is_part_) return place_[face];
+  return *std::lower_bound(place_.begin(), place_.end(), face,
+                           [&](Index place, Index f) { return order_[place] < f; });
+}
+
 void BoxTree::set_box(Index face, const Box& box) {
-  if (place_.empty()) {
+  if (place_.empty() && is_part_) {
+    place_.resize(order_.size());
+    std::iota(place_.begin(), place_.end(), 0);
+    std::sort(place_.begin(), place_.end(),
+              [&](Index a, Index b) { return order_[a] < order_[b]; });
+  } else if (place_.empty()) {
     const Index highest = *std::max_element(order_.begin(), order_.end());
     place_.assign(static_cast<std::size_t>(highest) + 1, kNone);
     for (std::size_t i = 0; i < order_.size(); ++i) place_[order_[i]] = static_cast<Index>(i);
   }
-  Index entry = place_[face];
+  Index entry = place_of(face);
   Box entry_box = box;
   for (const std::size_t begin : level_begin_) {
     Group& group = group_[begin + entry / 4];

@@ -27,8 +27,17 @@ class BoxTree {
   /// twice. Θ(F), parallel.
   BoxTree(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles,
           Progress& progress);
+  /// The faces of another tree whose boxes overlap `box`, in its frame and order: a search that
+  /// stays within the box finds the same in fewer steps. O(n log n) for n such faces.
+  BoxTree(const BoxTree& whole, const Box& box);
 
   Box box_of(const std::vector<Vec3>& positions, const Triangle& t) const;
+  /// Of several triangles, not none.
+  Box box_of(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles) const;
+  static bool overlap(const Box& a, const Box& b) {
+    return a[0] <= b[3] && b[0] <= a[3] && a[1] <= b[4] && b[1] <= a[4] && a[2] <= b[5] &&
+           b[2] <= a[5];
+  }
 
   /// Calls `fn(face)` for each face whose box overlaps `box`, in Morton order.
   template <class Fn>
@@ -63,6 +72,11 @@ class BoxTree {
   static constexpr int kStackSize = 3 * kMaxLevels + 4;
 
   static Group empty_group();
+  // The levels for as many faces as `order_` has, with empty boxes.
+  void lay_out_levels();
+  // All levels above the lowest, from it.
+  void fill_upper_levels(Progress& progress);
+  Index place_of(Index face) const;
   static Box box_in(const Group& group, Index lane) {
     return {group.low[0][lane],  group.low[1][lane],  group.low[2][lane],
             group.high[0][lane], group.high[1][lane], group.high[2][lane]};
@@ -116,6 +130,7 @@ class BoxTree {
   double scale_ = 1.0;
   std::vector<Index> order_;  // faces along the Morton curve; four to a group of the lowest level
   std::vector<Index> place_;  // of each face in `order_`; filled when a box is set
+  bool is_part_ = false;      // of another tree: `place_` then has its places only, by face
   std::vector<Group> group_;  // all levels, the lowest first
   std::vector<std::size_t> level_begin_;  // of each level in `group_`
 };

@@ -1,6 +1,7 @@
 #include "face_meetings.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "self_intersection.h"
@@ -49,6 +50,31 @@ FaceMeetings::FaceMeetings(const SurfaceMesh& mesh, std::int64_t max_tests, Prog
     }
 }
 
+FaceMeetings::FaceMeetings(const FaceMeetings& whole, const std::vector<Index>& patch,
+                           std::int64_t max_tests)
+    : mesh_(whole.mesh_),
+      test_(whole.test_),
+      tree_(whole.tree_, whole.box_around(patch)),
+      has_all_pairs_(whole.has_all_pairs_),
+      max_tests_(max_tests),
+      tests_left_(max_tests) {
+  std::set_intersection(whole.absent_faces_.begin(), whole.absent_faces_.end(), patch.begin(),
+                        patch.end(), std::back_inserter(absent_faces_));
+  replace({}, whole.pairs_of(patch));
+}
+
+BoxTree::Box FaceMeetings::box_around(const std::vector<Index>& faces) const {
+  std::vector<Triangle> triangles;
+  for (const Index f : faces) triangles.push_back(mesh_.triangle(f));
+  return tree_.box_of(mesh_.position, triangles);
+}
+
+void FaceMeetings::take_over(const std::vector<Index>& patch, const FaceMeetings& part) {
+  replace(patch, part.pairs_of(patch));
+  update_boxes(patch);
+  tests_left_ -= part.tests();
+}
+
 std::vector<Index> FaceMeetings::all_faces(Progress& progress) const {
   if (has_all_pairs_) return faces();
   return self_intersecting_faces(tree_, test_, slot_triangles(mesh_, absent_faces_), progress);
@@ -77,16 +103,8 @@ std::vector<FaceMeetings::Pair> FaceMeetings::pairs_of(const std::vector<Index>&
 }
 
 std::vector<Index> FaceMeetings::faces_around(const std::vector<Triangle>& triangles) const {
-  BoxTree::Box all = tree_.box_of(mesh_.position, triangles.front());
-  for (const Triangle& t : triangles) {
-    const BoxTree::Box box = tree_.box_of(mesh_.position, t);
-    for (int axis = 0; axis < 3; ++axis) {
-      all[axis] = std::min(all[axis], box[axis]);
-      all[axis + 3] = std::max(all[axis + 3], box[axis + 3]);
-    }
-  }
   std::vector<Index> faces;
-  tree_.for_each_overlap(all, [&](Index f) {
+  tree_.for_each_overlap(tree_.box_of(mesh_.position, triangles), [&](Index f) {
     if (tests_left_ == 0) return;
     --tests_left_;
     faces.push_back(f);

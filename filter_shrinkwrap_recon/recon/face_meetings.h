@@ -35,6 +35,14 @@ class FaceMeetings {
   /// (ascending) meet nothing, and must not change. O(F log F) for a surface. Memory O(F).
   FaceMeetings(const SurfaceMesh& mesh, std::int64_t max_tests, Progress& progress,
                std::vector<Index> absent_faces = {});
+  /// Of a patch of faces (ascending, not none) alone, as they are known: for changes among them
+  /// while other patches change whose boxes do not overlap the patch's (`box_around`). Triangles
+  /// between corners of the patch meet faces of no such other patch.
+  FaceMeetings(const FaceMeetings& whole, const std::vector<Index>& patch, std::int64_t max_tests);
+  /// What has become of a patch, by the account of its own that was made for it. Its tests count
+  /// here too. Pre: as many are left.
+  void take_over(const std::vector<Index>& patch, const FaceMeetings& part);
+  BoxTree::Box box_around(const std::vector<Index>& faces) const;
 
   Index pair_count() const { return pair_count_; }  ///< that are known
   bool has_all_pairs() const { return has_all_pairs_; }
@@ -63,6 +71,7 @@ class FaceMeetings {
   void replace(const std::vector<Index>& faces, const std::vector<Pair>& pairs);
 
   std::int64_t tests() const { return max_tests_ - tests_left_; }
+  std::int64_t tests_left() const { return tests_left_; }
   /// Allows for more tests.
   void grant(std::int64_t tests) {
     max_tests_ += tests;

@@ -28,20 +28,6 @@ Index flip_folds(HingeFlips& hinges, const std::vector<Index>& faces, double fol
   return flips;
 }
 
-Index anneal_folds(HingeFlips& hinges, const std::vector<Index>& faces, const FlipLimits& limits,
-                   const AnnealingOptions& options, std::int64_t& moves_left, Progress& progress) {
-  const SurfaceMesh& mesh = hinges.mesh();
-  Index annealed = 0;
-  for (const std::vector<Index>& cluster : clusters_of(mesh, faces)) {
-    progress.update(1.0);
-    if (moves_left <= 0) break;
-    const std::vector<Index> patch = faces_near(mesh, cluster, 1);
-    if (patch.size() > kLargestPatch) continue;  // one vertex may have that many faces
-    if (anneal_patch(hinges, patch, limits, options, moves_left, progress, 1.0)) ++annealed;
-  }
-  return annealed;
-}
-
 }  // namespace
 
 std::vector<Index> folded_faces(const SurfaceMesh& mesh, const FoldOptions& options,
@@ -83,7 +69,9 @@ FoldReport remove_folds(HingeFlips& hinges, const FoldOptions& options, Progress
       faces = folded();
     }
     const Index annealed =
-        anneal_folds(hinges, faces, limits, options.annealing, moves_left, progress);
+        static_cast<Index>(anneal_around(hinges, clusters_of(mesh, faces), 1, limits,
+                                         options.annealing, moves_left, progress, 1.0)
+                               .size());
     if (annealed == 0) continue;
     report.annealed += annealed;
     faces = folded();

@@ -188,35 +188,21 @@ void Repair::anneal_near(const std::vector<Index>& faces, int rings, double done
   AnnealingOptions options = options_.annealing;
   options.moves_per_face *= rings;
   options.seed = seed_;
+  if (seed_ > 0) options.moves_per_set_face = kMovesPerFaceLeft;
   const auto met_by = [&](Index f) -> const std::vector<Index>& {
     return meetings_.faces_met_by(f);
   };
-  for (const std::vector<Index>& cluster : clusters_of(mesh_, faces, met_by)) {
-    progress_.update(done);
-    if (cluster.size() > kLargestPatch || moves_left_ <= 0) return;
-    const std::vector<Index> patch = faces_near(mesh_, cluster, rings);
-    if (patch.size() > kLargestPatch || meetings_.pairs_of(cluster).empty()) continue;
-    if (!has_granted_) {
-      ran_short_ = !has_time();
-      meetings_.grant(kTestsPerMove * moves_left_);
-    }
+  const std::vector<std::vector<Index>> clusters = clusters_of(mesh_, faces, met_by);
+  if (moves_left_ > 0 && !has_granted_) {
     has_granted_ = true;
-    if (!meetings_.has_tests_left()) return;
-    std::vector<Triangle> before;
-    for (const Index f : patch) before.push_back(mesh_.triangle(f));
-    std::int64_t moves = moves_left_;
-    if (seed_ > 0)
-      moves = std::min(moves, kMovesPerFaceLeft * static_cast<std::int64_t>(cluster.size()));
-    moves_left_ -= moves;
-    const bool is_better = anneal_patch(hinges_, patch, limits_, options, moves, progress_, done);
-    moves_left_ += moves;
-    if (!is_better) continue;
+    ran_short_ = !has_time();
+    meetings_.grant(kTestsPerMove * moves_left_);
+  }
+  for (const AnnealedPatch& patch :
+       anneal_around(hinges_, clusters, rings, limits_, options, moves_left_, progress_, done)) {
     ++annealed_;
-    std::vector<Index> changed;
-    for (std::size_t i = 0; i < patch.size(); ++i)
-      if (mesh_.triangle(patch[i]) != before[i]) changed.push_back(patch[i]);
-    note_change(changed);
-    touched_.insert(touched_.end(), patch.begin(), patch.end());
+    note_change(patch.changed);
+    touched_.insert(touched_.end(), patch.faces.begin(), patch.faces.end());
   }
 }
 

@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
+#include <utility>
 
+#include "face_patches.h"
+#include "parallel.h"
 #include "sample_relocation.h"
 #include "sort_unique.h"
 #include "triangle_geometry.h"
@@ -13,7 +17,8 @@ namespace {
 
 constexpr int kPollInterval = 256;
 constexpr std::mt19937::result_type kSeedStride = 0x9e3779b9;  // far from any index of a face
-constexpr int kMostPasses = 16;  // over the edges of a patch, to settle
+constexpr int kMostPasses = 16;          // over the edges of a patch, to settle
+constexpr std::size_t kMostAtOnce = 64;  // patches that are annealed at the same time
 
 class Annealing {
  public:
@@ -171,6 +176,96 @@ bool anneal_patch(HingeFlips& hinges, const std::vector<Index>& patch, const Fli
                   double stage_done) {
   if (patch.empty()) return false;
   return Annealing(hinges, patch, limits, options).run(moves_left, progress, stage_done);
+}
+
+namespace {
+
+// A patch that is annealed beside others.
+struct Job {
+  std::vector<Index> patch;
+  std::int64_t moves;                    // that it may make; later, that are left of them
+  std::vector<Triangle> before;          // its faces
+  std::optional<FaceMeetings> meetings;  // of its own
+  bool is_better = false;
+};
+
+// The next patches that can be annealed at the same time, and their moves, which are taken from
+// `moves_left`. Those that have to wait, for others before them or for moves, stay in `sets`.
+std::vector<Job> next_jobs(const HingeFlips& hinges, std::vector<const std::vector<Index>*>& sets,
+                           int rings, const AnnealingOptions& options, std::int64_t& moves_left) {
+  std::vector<Job> jobs;
+  if (options.moves_per_face <= 0) return jobs;
+  const bool need_pairs = options.goal == AnnealingOptions::Goal::fewest_pairs;
+  std::vector<BoxTree::Box> boxes;  // of the jobs, and of those that wait
+  std::vector<const std::vector<Index>*> waiting;
+  std::size_t i = 0;
+  for (; i < sets.size() && boxes.size() < kMostAtOnce; ++i) {
+    const std::vector<Index>& set = *sets[i];
+    if (set.size() > kLargestPatch) continue;
+    if (need_pairs && hinges.meetings().pairs_of(set).empty()) continue;
+    std::vector<Index> patch = faces_near(hinges.mesh(), set, rings);
+    if (patch.size() > kLargestPatch) continue;
+    std::int64_t moves = static_cast<std::int64_t>(patch.size()) * options.moves_per_face;
+    if (options.moves_per_set_face > 0)
+      moves = std::min(moves, options.moves_per_set_face * static_cast<std::int64_t>(set.size()));
+    if (moves > moves_left && !jobs.empty()) break;  // the others may leave some of theirs
+    const BoxTree::Box box = hinges.meetings().box_around(patch);
+    const bool has_to_wait = std::any_of(boxes.begin(), boxes.end(), [&](const BoxTree::Box& b) {
+      return BoxTree::overlap(b, box);
+    });
+    boxes.push_back(box);
+    if (has_to_wait) {
+      waiting.push_back(sets[i]);
+      continue;
+    }
+    moves = std::min(moves, moves_left);
+    moves_left -= moves;
+    jobs.push_back({std::move(patch), moves, {}, std::nullopt});
+  }
+  waiting.insert(waiting.end(), sets.begin() + static_cast<std::ptrdiff_t>(i), sets.end());
+  sets = std::move(waiting);
+  return jobs;
+}
+
+}  // namespace
+
+std::vector<AnnealedPatch> anneal_around(HingeFlips& hinges,
+                                         const std::vector<std::vector<Index>>& sets, int rings,
+                                         const FlipLimits& limits, const AnnealingOptions& options,
+                                         std::int64_t& moves_left, Progress& progress,
+                                         double stage_done) {
+  SurfaceMesh& mesh = hinges.mesh();
+  FaceMeetings& meetings = hinges.meetings();
+  std::vector<const std::vector<Index>*> left;
+  for (const std::vector<Index>& set : sets) left.push_back(&set);
+  std::vector<AnnealedPatch> better;
+  while (moves_left > 0 && meetings.has_tests_left()) {
+    progress.update(stage_done);
+    std::vector<Job> jobs = next_jobs(hinges, left, rings, options, moves_left);
+    if (jobs.empty()) break;
+    std::int64_t moves = 0;
+    for (const Job& job : jobs) moves += job.moves;
+    const std::int64_t tests = meetings.tests_left();
+    Progress silent;  // what is done of the stage is told by the patches
+    parallel_for_each(static_cast<Index>(jobs.size()), 1, silent, [&](Index i) {
+      Job& job = jobs[static_cast<std::size_t>(i)];
+      for (const Index f : job.patch) job.before.push_back(mesh.triangle(f));
+      job.meetings.emplace(meetings, job.patch, tests * job.moves / moves);
+      HingeFlips flips(mesh, *job.meetings, hinges.fixed_faces());
+      job.is_better =
+          anneal_patch(flips, job.patch, limits, options, job.moves, progress, stage_done);
+    });
+    for (Job& job : jobs) {
+      moves_left += job.moves;
+      meetings.take_over(job.patch, *job.meetings);
+      if (!job.is_better) continue;
+      std::vector<Index> changed;
+      for (std::size_t i = 0; i < job.patch.size(); ++i)
+        if (mesh.triangle(job.patch[i]) != job.before[i]) changed.push_back(job.patch[i]);
+      better.push_back({std::move(job.patch), std::move(changed)});
+    }
+  }
+  return better;
 }
 
 }  // namespace shrinkwrap

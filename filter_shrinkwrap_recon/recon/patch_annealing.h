@@ -20,6 +20,9 @@ struct AnnealingOptions {
   double least_gain = 0.03;
   /// Flips and relocations that are tried, for each face of the patch.
   int moves_per_face = 100;
+  /// And no more of them, for each face of the set that a patch is around (`anneal_around`); 0: no
+  /// such bound.
+  std::int64_t moves_per_set_face = 0;
   /// At the start and the end, in pairs of faces: a change that adds so many is made with a chance
   /// of 1/e.
   double first_temperature = 1.0, last_temperature = 0.02;
@@ -52,5 +55,21 @@ constexpr std::size_t kLargestPatch = 500;
 bool anneal_patch(HingeFlips& hinges, const std::vector<Index>& patch, const FlipLimits& limits,
                   const AnnealingOptions& options, std::int64_t& moves_left, Progress& progress,
                   double stage_done);
+
+struct AnnealedPatch {
+  std::vector<Index> faces, changed;  ///< ascending
+};
+
+/// Anneals the patch of so many rings around each of some sets of faces, but for sets that meet
+/// nothing if pairs are the goal, and patches of more than `kLargestPatch` faces. Patches whose
+/// boxes do not overlap have nothing to do with each other and are annealed at the same time, with
+/// a share each in the tests that are left; the others one after the other, as the sets are given.
+/// Returns those that are better.
+/// As anneal_patch otherwise; the result does not depend on the number of threads.
+std::vector<AnnealedPatch> anneal_around(HingeFlips& hinges,
+                                         const std::vector<std::vector<Index>>& sets, int rings,
+                                         const FlipLimits& limits, const AnnealingOptions& options,
+                                         std::int64_t& moves_left, Progress& progress,
+                                         double stage_done);
 
 }  // namespace shrinkwrap
