@@ -110,6 +110,10 @@ TEST(FaceMeetings, APatchHasAnAccountOfItsOwn) {
     std::sort(found.begin(), found.end());
     std::sort(expected.begin(), expected.end());
     EXPECT_EQ(found, expected);
+    Pairs of_part;
+    EXPECT_TRUE(part.find(mesh.triangle(f), f, 1000, skip, of_part));
+    std::sort(of_part.begin(), of_part.end());
+    EXPECT_EQ(of_part, expected);
   }
 }
 

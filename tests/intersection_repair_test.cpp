@@ -228,6 +228,19 @@ TEST(IntersectionRepair, AHeapOfFacesCostsNoMoreThanItMay) {
   expect_closed_manifold(mesh, 1, 0);
 }
 
+TEST(IntersectionRepair, AKnotTooLargeToBeAnnealedTakesNothingThatIsForThat) {
+  Random random(1);
+  SurfaceMesh mesh = icosphere(5);
+  for (Vec3& p : mesh.position)
+    if (p.z() > 0.9) p += 0.4 * random.in_cube();
+  Progress progress;
+  const RepairReport report = repair_self_intersections(mesh, {}, progress);
+  ASSERT_LT(report.faces_before, kMostMeeting * mesh.face_count());
+  ASSERT_GT(report.faces_after, static_cast<Index>(kLargestPatch));
+  EXPECT_EQ(report.annealed, 0);
+  EXPECT_EQ(report.tests, 1000000 + 20 * mesh.face_count());
+}
+
 TEST(IntersectionRepair, NoTrialsNoFlips) {
   Random random(1);
   SurfaceMesh mesh = icosphere(3);

@@ -5,7 +5,9 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <chrono>
 #include <numeric>
+#include <thread>
 
 #include "expect_mesh.h"
 #include "face_patches.h"
@@ -363,6 +365,14 @@ TEST(AnnealAround, PassesOverWhatItCannotHelp) {
   ASSERT_GT(all.size(), kLargestPatch);
   EXPECT_EQ(anneal_all(mesh, {all}, 0, 1).moves_left, 10000000) << "a heap";
   EXPECT_EQ(anneal_all(mesh, {all, cap}, 0, 1).better.size(), 1u);
+  const std::vector<Index> most = cap_of(icosphere(3), 0.35);
+  ASSERT_LT(most.size(), kLargestPatch);
+  EXPECT_LT(anneal_all(mesh, {most}, 0, 1).moves_left, 10000000);
+  ASSERT_GT(faces_near(mesh, most, 1).size(), kLargestPatch);
+  EXPECT_EQ(anneal_all(mesh, {most}, 1, 1).moves_left, 10000000);
+  AnnealingOptions bending;
+  bending.goal = AnnealingOptions::Goal::least_bending;
+  EXPECT_TRUE(anneal_all(mesh, {{}}, 1, 1, 10000000, kManyTests, bending).better.empty());
   AnnealingOptions off;
   off.moves_per_face = 0;
   EXPECT_TRUE(anneal_all(mesh, {cap}, 0, 1, 10000000, kManyTests, off).better.empty());
@@ -378,6 +388,21 @@ TEST(PatchAnnealing, CanBeCancelled) {
   EXPECT_THROW(progress.begin(Stage::edge_optimisation), Cancelled);
   std::int64_t moves = 1000;
   EXPECT_THROW(anneal_patch(hinges, cap_of(icosphere(3), 0.85), kLimits, {}, moves, progress, 0.0),
+               Cancelled);
+}
+
+TEST(AnnealAround, CanBeCancelled) {
+  SurfaceMesh mesh = spoilt_spheres(6);
+  Progress silent;
+  FaceMeetings meetings(mesh, kManyTests, silent);
+  const std::vector<Index> none;
+  HingeFlips hinges(mesh, meetings, none);
+  int calls = 0;
+  Progress progress([&](double, const char*) { return ++calls == 1; }, {Stage::edge_optimisation});
+  progress.begin(Stage::edge_optimisation);
+  std::this_thread::sleep_for(std::chrono::milliseconds(30));  // calls keep a distance
+  std::int64_t moves = 10000000;
+  EXPECT_THROW(anneal_around(hinges, sets_of(mesh), 1, kLimits, {}, moves, progress, 0.0),
                Cancelled);
 }
 

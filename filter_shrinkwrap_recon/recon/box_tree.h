@@ -27,8 +27,8 @@ class BoxTree {
   /// twice. Θ(F), parallel.
   BoxTree(const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles,
           Progress& progress);
-  /// The faces of another tree whose boxes overlap `box`, in its frame and order: a search that
-  /// stays within the box finds the same in fewer steps. O(n log n) for n such faces.
+  /// The faces of another tree whose boxes overlap `box`, in its frame and order: the same boxes
+  /// overlap one within it, and are found in fewer steps. O(log F) and O(n) for n such faces.
   BoxTree(const BoxTree& whole, const Box& box);
 
   Box box_of(const std::vector<Vec3>& positions, const Triangle& t) const;
@@ -58,8 +58,8 @@ class BoxTree {
   template <class Fn>
   void for_each_overlapping_pair(Index cluster, const Fn& fn) const;
 
-  /// Gives a face another box. O(log F). The first call takes another 4 bytes a face. Pre: the face
-  /// was not left out.
+  /// Gives a face another box. O(log F). The first call takes another 4 bytes a face, and of a part
+  /// sorts its faces. Pre: the tree has the face.
   void set_box(Index face, const Box& box);
 
  private:

@@ -37,7 +37,8 @@ class FaceMeetings {
                std::vector<Index> absent_faces = {});
   /// Of a patch of faces (ascending, not none) alone, as they are known: for changes among them
   /// while other patches change whose boxes do not overlap the patch's (`box_around`). Triangles
-  /// between corners of the patch meet faces of no such other patch.
+  /// between corners of the patch meet faces of no such other patch. What is told of all faces is
+  /// told of these. O(n log n) for n faces whose boxes overlap the patch's.
   FaceMeetings(const FaceMeetings& whole, const std::vector<Index>& patch, std::int64_t max_tests);
   /// What has become of a patch, by the account of its own that was made for it. Its tests count
   /// here too. Pre: as many are left.

@@ -193,7 +193,11 @@ void Repair::anneal_near(const std::vector<Index>& faces, int rings, double done
     return meetings_.faces_met_by(f);
   };
   const std::vector<std::vector<Index>> clusters = clusters_of(mesh_, faces, met_by);
-  if (moves_left_ > 0 && !has_granted_) {
+  if (!has_granted_) {
+    const auto can_be_annealed = [&](const std::vector<Index>& cluster) {
+      return !patch_around(hinges_, cluster, rings, options).empty();
+    };
+    if (std::none_of(clusters.begin(), clusters.end(), can_be_annealed)) return;
     has_granted_ = true;
     ran_short_ = !has_time();
     meetings_.grant(kTestsPerMove * moves_left_);

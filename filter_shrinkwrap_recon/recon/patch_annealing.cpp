@@ -18,7 +18,7 @@ namespace {
 constexpr int kPollInterval = 256;
 constexpr std::mt19937::result_type kSeedStride = 0x9e3779b9;  // far from any index of a face
 constexpr int kMostPasses = 16;          // over the edges of a patch, to settle
-constexpr std::size_t kMostAtOnce = 64;  // patches that are annealed at the same time
+constexpr std::size_t kMostAtOnce = 64;  // patches, annealed at the same time or waiting for it
 
 class Annealing {
  public:
@@ -195,16 +195,13 @@ std::vector<Job> next_jobs(const HingeFlips& hinges, std::vector<const std::vect
                            int rings, const AnnealingOptions& options, std::int64_t& moves_left) {
   std::vector<Job> jobs;
   if (options.moves_per_face <= 0) return jobs;
-  const bool need_pairs = options.goal == AnnealingOptions::Goal::fewest_pairs;
   std::vector<BoxTree::Box> boxes;  // of the jobs, and of those that wait
   std::vector<const std::vector<Index>*> waiting;
   std::size_t i = 0;
   for (; i < sets.size() && boxes.size() < kMostAtOnce; ++i) {
     const std::vector<Index>& set = *sets[i];
-    if (set.size() > kLargestPatch) continue;
-    if (need_pairs && hinges.meetings().pairs_of(set).empty()) continue;
-    std::vector<Index> patch = faces_near(hinges.mesh(), set, rings);
-    if (patch.size() > kLargestPatch) continue;
+    std::vector<Index> patch = patch_around(hinges, set, rings, options);
+    if (patch.empty()) continue;
     std::int64_t moves = static_cast<std::int64_t>(patch.size()) * options.moves_per_face;
     if (options.moves_per_set_face > 0)
       moves = std::min(moves, options.moves_per_set_face * static_cast<std::int64_t>(set.size()));
@@ -228,6 +225,16 @@ std::vector<Job> next_jobs(const HingeFlips& hinges, std::vector<const std::vect
 }
 
 }  // namespace
+
+std::vector<Index> patch_around(const HingeFlips& hinges, const std::vector<Index>& set, int rings,
+                                const AnnealingOptions& options) {
+  const bool needs_pairs = options.goal == AnnealingOptions::Goal::fewest_pairs;
+  if (set.size() > kLargestPatch || (needs_pairs && hinges.meetings().pairs_of(set).empty()))
+    return {};
+  std::vector<Index> patch = faces_near(hinges.mesh(), set, rings);
+  if (patch.size() > kLargestPatch) patch.clear();
+  return patch;
+}
 
 std::vector<AnnealedPatch> anneal_around(HingeFlips& hinges,
                                          const std::vector<std::vector<Index>>& sets, int rings,

@@ -60,11 +60,16 @@ struct AnnealedPatch {
   std::vector<Index> faces, changed;  ///< ascending
 };
 
-/// Anneals the patch of so many rings around each of some sets of faces, but for sets that meet
-/// nothing if pairs are the goal, and patches of more than `kLargestPatch` faces. Patches whose
-/// boxes do not overlap have nothing to do with each other and are annealed at the same time, with
-/// a share each in the tests that are left; the others one after the other, as the sets are given.
-/// Returns those that are better.
+/// The faces of a set and so many rings around them, ascending; none if they are more than
+/// `kLargestPatch`, or if pairs are the goal and the set has none.
+std::vector<Index> patch_around(const HingeFlips& hinges, const std::vector<Index>& set, int rings,
+                                const AnnealingOptions& options);
+
+/// Anneals the patch around each of some sets of faces that has one. Patches whose boxes do not
+/// overlap have nothing to do with each other and are annealed at the same time; of those that
+/// overlap each waits for the ones before it. Of the tests that are left, patches of one time have
+/// shares like their moves, and no more of them. Returns those that are better, in the order in
+/// which they were annealed.
 /// As anneal_patch otherwise; the result does not depend on the number of threads.
 std::vector<AnnealedPatch> anneal_around(HingeFlips& hinges,
                                          const std::vector<std::vector<Index>>& sets, int rings,
