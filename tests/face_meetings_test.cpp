@@ -33,6 +33,18 @@ SurfaceMesh shaken_sphere(Random& random) {
   return mesh;
 }
 
+void flip(SurfaceMesh& mesh, Index h, FaceMeetings& meetings) {
+  mesh.flip(h);
+  const Index f = SurfaceMesh::face(h), g = SurfaceMesh::face(mesh.twin(h));
+  Pairs pairs;
+  if (meetings.meet(mesh.triangle(f), mesh.triangle(g))) pairs.emplace_back(f, g);
+  const auto skip = [&](Index other) { return other == f || other == g; };
+  EXPECT_TRUE(meetings.find(mesh.triangle(f), f, 1000, skip, pairs));
+  EXPECT_TRUE(meetings.find(mesh.triangle(g), g, 1000, skip, pairs));
+  meetings.update_boxes({f, g});
+  meetings.replace({f, g}, pairs);
+}
+
 TEST(FaceMeetings, AreThoseOfTheMeshAfterEveryChange) {
   Random random(1);
   SurfaceMesh mesh = shaken_sphere(random);
@@ -47,15 +59,7 @@ TEST(FaceMeetings, AreThoseOfTheMeshAfterEveryChange) {
 
     const Index h = random.below(mesh.halfedge_slots());
     if (!mesh.is_flip_legal(h)) continue;
-    mesh.flip(h);
-    const Index f = SurfaceMesh::face(h), g = SurfaceMesh::face(mesh.twin(h));
-    Pairs pairs;
-    if (meetings.meet(mesh.triangle(f), mesh.triangle(g))) pairs.emplace_back(f, g);
-    const auto skip = [&](Index other) { return other == f || other == g; };
-    ASSERT_TRUE(meetings.find(mesh.triangle(f), f, 1000, skip, pairs));
-    ASSERT_TRUE(meetings.find(mesh.triangle(g), g, 1000, skip, pairs));
-    meetings.update_boxes({f, g});
-    meetings.replace({f, g}, pairs);
+    flip(mesh, h, meetings);
   }
 }
 
@@ -81,15 +85,8 @@ TEST(FaceMeetings, APatchHasAnAccountOfItsOwn) {
              !std::binary_search(absent.begin(), absent.end(), face);
     };
     if (!may_change(f) || !may_change(g) || !mesh.is_flip_legal(h)) continue;
-    mesh.flip(h);
+    flip(mesh, h, part);
     ++flips;
-    Pairs pairs;
-    if (part.meet(mesh.triangle(f), mesh.triangle(g))) pairs.emplace_back(f, g);
-    const auto skip = [&](Index other) { return other == f || other == g; };
-    ASSERT_TRUE(part.find(mesh.triangle(f), f, 1000, skip, pairs));
-    ASSERT_TRUE(part.find(mesh.triangle(g), g, 1000, skip, pairs));
-    part.update_boxes({f, g});
-    part.replace({f, g}, pairs);
   }
   ASSERT_GT(flips, 20);
   part.update_boxes(patch);
