@@ -82,8 +82,8 @@ TEST(OutliersOnSurface, ASecondAttemptHasTheSameSamples) {
       Random random(seed);
       std::vector<Vec3> points = cube_with_gaps(kAlone);
       // Two noisy layers, too close to each other to be told apart.
-      for (int i = 0; i < 32; ++i)
-        for (int j = 0; j < 32; ++j)
+      for (int i = 0; i < 8; ++i)
+        for (int j = 0; j < 8; ++j)
           for (const double z : {0.0, 0.5})
             points.push_back((Vec3(48 + i, j, z) + 0.5 * random.in_cube()) / 32.0);
       Progress silent;
