@@ -38,6 +38,13 @@ class NeighbourGraph {
     }
   }
 
+  /// Calls `body(b)` for each neighbour that `a` is joined with as one of its own nearest.
+  template <class Body>
+  void for_each_neighbour_of(Index a, const Body& body) const {
+    const Index* list = cloud_.neighbours_of(a);
+    for (const int place : places_) body(list[place]);
+  }
+
   /// Whether most samples that lie above each other are the ends of steps, as where terrain and
   /// roofs are seen from above and walls are not: no sheet goes on above or below the other one.
   bool has_steps() const { return has_steps_; }

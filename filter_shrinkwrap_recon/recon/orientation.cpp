@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "inverted_patches.h"
 #include "parallel.h"
 #include "visibility.h"
 #include "winding_number.h"
@@ -384,6 +385,8 @@ OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& op
     turn_towards(origin, cloud, forest, progress);
   else
     turn_outward(cloud, forest, votes, options, report, progress);
+  if (!report.is_view)
+    report.turned = turn_inverted_patches(cloud, graph, votes, options.inverted, progress);
 
   report.closedness = cloud.closedness = closedness_of(cloud, votes);
 

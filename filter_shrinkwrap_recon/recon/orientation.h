@@ -3,6 +3,7 @@
 #pragma once
 
 #include "crease_planes.h"
+#include "inverted_patches.h"
 #include "point_cloud.h"
 #include "pole_normals.h"
 #include "spanning_forest.h"
@@ -29,6 +30,7 @@ struct OrientationOptions {
   StationOptions station;
   PoleNormalOptions poles;
   SignOptions signs;
+  InvertedPatchOptions inverted;
   CreasePlaneOptions creases;
   double most_noise_at_creases = 0.06;  ///< of clouds with more (NeighbourGraph::noise) the planes
                                         ///< at edges stay as they are; negative: of all
@@ -40,6 +42,7 @@ struct OrientationReport {
   Index enclosed_components =
       0;  ///< nobody sees them from outside, but through others: walls of cavities, and the like
   Index undecided_components = 0;  ///< seen as much from one side as from the other: open sheets
+  Index turned = 0;                ///< samples of hidden patches that were inside out
   Index poled = 0;                 ///< samples whose normals became the ways to their poles
   Index creased = 0;               ///< samples whose planes became those of faces at an edge
   double closedness = 1.0;         ///< of the whole cloud: PointCloud::closedness
@@ -55,7 +58,8 @@ struct OrientationReport {
 /// side that more orthographic views see is outside. Components that nobody sees, or that are seen
 /// only through others (VisibilityVote::foremost), are drawn again without those that were seen:
 /// where the winding number of these says that they lie within the body they bound a cavity, else a
-/// body of their own, in a cavity or behind others.
+/// body of their own, in a cavity or behind others. At last hidden patches that contradict what
+/// they lie in are turned (inverted_patches.h).
 ///
 /// Views are trusted as far as a component is closed (VisibilityVote::trust): what stands on an
 /// open sheet, such as the ground, hides its front. Of a sheet it counts too how convex it is, seen
