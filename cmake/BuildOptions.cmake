@@ -23,8 +23,8 @@ add_compile_options(-ffp-contract=off)
 if(SHRINKWRAP_SANITIZE)
   # With the assertions of Eigen and of the standard library, which look at every index. Lines, but no variables: full
   # debug information is a third of the time that it takes to compile. A third of the time of the tests goes into what
-  # is asked of each pointer before it is used: not null, aligned, within its object. The first and the last the address
-  # sanitizer finds too; the second needs a cast.
+  # is asked of each pointer before it is used: not null, aligned, within its object. Most of the first and the last the
+  # address sanitizer finds too; the second needs a cast.
   add_compile_options(-fsanitize=address,undefined -fno-sanitize=null,alignment,object-size -fno-sanitize-recover=all
                       -fno-omit-frame-pointer -g1 -O1 -UNDEBUG)
   add_compile_definitions(_GLIBCXX_ASSERTIONS)

@@ -56,7 +56,7 @@ OrientationOptions options_of_test() {
 }
 OrientationOptions without_turns() {
   OrientationOptions options = options_of_test();
-  options.inverted.least_seen = 0.0;  // nothing is hidden
+  options.inverted.most_noise = -1.0;
   return options;
 }
 
@@ -106,7 +106,6 @@ TEST(InvertedPatches, BodiesThatIntersectMakeOneSurface) {
   EXPECT_GT(other.report.self_intersecting_faces + other.report.vertices_extra, 0);
 }
 
-// Even if its winding numbers were those of a patch inside out: a part of a smooth surface stays.
 TEST(InvertedPatches, EdgesMayObject) {
   const std::vector<Vec3> points = sample_ball_with_chamber(2);
   OrientationOptions options = options_of_test();
@@ -128,6 +127,33 @@ TEST(InvertedPatches, ThatAreSmallOrDoNotComeRightStay) {
   OrientationOptions right = options_of_test();
   right.inverted.most_left = 0.05;
   oriented(points, right, report);
+  EXPECT_EQ(report.turned, 0);
+}
+
+// In a thick layer of samples areas add up to more than that of a surface, and winding numbers to
+// those of a body within a body.
+TEST(InvertedPatches, AreNotLookedForInNoise) {
+  Random random(1);
+  std::vector<Vec3> points;
+  for (int i = 0; i < 5000; ++i)
+    points.push_back((1.0 + random.uniform(-0.2, 0.2)) * random.direction());
+  OrientationReport report;
+  oriented(points, options_of_test(), report);
+  EXPECT_EQ(report.turned, 0);
+  OrientationOptions always = options_of_test();
+  always.inverted.most_noise = 1.0;
+  oriented(points, always, report);
+  EXPECT_GT(report.turned, 1000) << "this test tests little";
+}
+
+TEST(InvertedPatches, SheetsAndShellsStay) {
+  OrientationReport report;
+  oriented(sample_shape_blue_noise(ShapeKind::hemisphere, 3000, 1), options_of_test(), report);
+  EXPECT_EQ(report.turned, 0);
+  Random random(1);
+  std::vector<Vec3> points;
+  for (int i = 0; i < 9000; ++i) points.push_back((1.0 - 0.15 * (i % 3)) * random.direction());
+  oriented(points, options_of_test(), report);
   EXPECT_EQ(report.turned, 0);
 }
 

@@ -150,6 +150,7 @@ TEST(Orientation, BladesOfAWheelFaceOutwards) {
     OrientationOptions by_all, by_tree;
     by_all.signs.contact_agreement = by_tree.signs.contact_agreement = 0.0;
     by_all.poles.least_deviation = by_tree.poles.least_deviation = INFINITY;
+    by_all.inverted.most_noise = by_tree.inverted.most_noise = -1.0;  // nor are patches turned
     by_tree.signs.vote_weight = 0.0;
     EXPECT_LT(wrong_part({}, true), 0.006);
     EXPECT_LT(wrong_part(by_all, false), 0.025);
@@ -163,6 +164,7 @@ TEST(Orientation, BladesOfAWheelFaceOutwards) {
 TEST(Orientation, HollowsThatNearlyTouchDoNotTurnEachOther) {
   OrientationOptions apart;
   apart.poles.least_deviation = INFINITY;
+  apart.inverted.most_noise = -1.0;  // no patch is turned afterwards
   OrientationOptions joined = apart;
   joined.signs.contact_agreement = 0.0;
   int inside_out = 0, inside_out_if_joined = 0;

@@ -39,7 +39,7 @@ DoubleDouble operator-(const DoubleDouble& a) {
   return {-a.high, -a.low};
 }
 
-// Relative error 5 u^2.
+// Relative error 7 u^2.
 DoubleDouble operator*(const DoubleDouble& a, const DoubleDouble& b) {
   const double product = a.high * b.high, rest = std::fma(a.high, b.high, -product);
   return sum_of_ordered(product, rest + (a.high * b.low + a.low * b.high));
@@ -57,7 +57,7 @@ int sign_of_twice_the_digits(const Vec3& a, const Vec3& b, const Vec3& c, const 
   }
   const auto minor = [&](int u, int v) { return ab[u] * ac[v] + -(ab[v] * ac[u]); };
   const DoubleDouble determinant = minor(1, 2) * ad[0] + minor(2, 0) * ad[1] + minor(0, 1) * ad[2];
-  // Each of six products of three is off by (5 + 3 + 5 + 6) u^2 at most, together less than this
+  // Each of six products of three is off by (7 + 3 + 7 + 6) u^2 at most, together less than this
   // part of the bound for plain arithmetic, which is infinite where something might underflow.
   const double bound = 4e-16 * orientation_error_bound(extent);
   if (determinant.high > bound) return 1;

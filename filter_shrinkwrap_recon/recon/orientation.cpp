@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "inverted_patches.h"
 #include "parallel.h"
 #include "visibility.h"
 #include "winding_number.h"
@@ -381,12 +380,12 @@ OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& op
   const Vec3 origin = cloud.frame.to_unit(Vec3::Zero());
   report.components = forest.components;
   report.is_view = is_view_from(cloud, origin, options.station, progress);
-  if (report.is_view)
+  if (report.is_view) {
     turn_towards(origin, cloud, forest, progress);
-  else
+  } else {
     turn_outward(cloud, forest, votes, options, report, progress);
-  if (!report.is_view)
     report.turned = turn_inverted_patches(cloud, graph, votes, options.inverted, progress);
+  }
 
   report.closedness = cloud.closedness = closedness_of(cloud, votes);
 
