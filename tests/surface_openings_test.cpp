@@ -9,9 +9,7 @@
 
 #include "expect_mesh.h"
 #include "face_patches.h"
-#include "meeting_pairs.h"
-#include "oriented_cloud.h"
-#include "parametric_surface.h"
+#include "open_scan.h"
 #include "reconstruct.h"
 #include "shapes.h"
 
@@ -19,55 +17,6 @@ namespace shrinkwrap::testing {
 namespace {
 
 using Openings = CompleteMatchingOptions::Openings;
-
-// A surface, and samples at those of its vertices where the scan is not open.
-struct OpenScan {
-  template <class IsOpen>
-  OpenScan(const SurfaceMesh& mesh, const IsOpen& is_open) : surface(mesh) {
-    std::vector<Vec3> samples;
-    for (const Vec3& p : mesh.position)
-      if (!is_open(p)) samples.push_back(p);
-    cloud = oriented_cloud(samples);
-    for (Vec3& p : surface.position) p = cloud.frame.to_unit(p);
-    find();
-  }
-  // As the options say.
-  SurfaceOpenings cut(Openings openings, double widest = 30.0) {
-    find(openings, widest);
-    return cut_surface_openings(surface, membranes, silent);
-  }
-  void find(Openings openings = Openings::close, double widest = 30.0) {
-    CompleteMatchingOptions options;
-    options.openings = openings;
-    options.widest_opening = widest;
-    membranes = find_surface_membranes(surface, mark_membranes(surface, cloud, {}, silent), cloud,
-                                       options, silent);
-  }
-  void stretch() { stretch_membranes(surface, membranes, silent); }
-  Index openings() const { return static_cast<Index>(membranes.size()); }
-  Vec3 at(Index v) const { return cloud.frame.to_input(surface.position[v]); }
-
-  Progress silent;
-  SurfaceMesh surface;
-  PointCloud cloud;
-  std::vector<SurfaceMembrane> membranes;
-};
-
-// The unit sphere without samples above a height.
-OpenScan open_sphere(double z = 0.5) {
-  return OpenScan(icosphere(4), [z](const Vec3& p) { return p.z() > z; });
-}
-
-SurfaceMesh ball(const Vec3& centre, double radius, int subdivisions) {
-  return placed(icosphere(subdivisions), radius, centre);
-}
-
-// The torus without samples over an angle around its axis.
-OpenScan open_torus(double angle) {
-  return OpenScan(torus_mesh(150, 50), [angle](const Vec3& p) {
-    return std::abs(std::atan2(p.y(), p.x())) < 0.5 * angle;
-  });
-}
 
 TEST(SurfaceOpenings, NoneInAWholeScan) {
   const OpenScan scan(icosphere(4), [](const Vec3&) { return false; });
@@ -106,77 +55,6 @@ TEST(SurfaceOpenings, AVoteStraightensTheOutline) {
   const auto again = find_surface_membranes(scan.surface, marks, scan.cloud, {}, scan.silent);
   ASSERT_EQ(again.size(), 1u);
   EXPECT_EQ(again[0].vertices, vertices);
-}
-
-TEST(SurfaceOpenings, AMembraneIsStretchedFlat) {
-  OpenScan scan = open_sphere();
-  const OpenScan before = open_sphere();
-  scan.stretch();
-  ASSERT_TRUE(scan.membranes[0].is_stretched);
-  const double spacing = scan.cloud.frame.to_input_length(scan.cloud.spacing);
-  for (const Index v : scan.membranes[0].vertices) {
-    EXPECT_NEAR(scan.at(v).z(), 0.5, spacing);
-    EXPECT_LT(std::hypot(scan.at(v).x(), scan.at(v).y()), 0.9);
-  }
-  Index moved = 0;
-  for (Index v = 0; v < scan.surface.vertex_slots(); ++v) {
-    const double way = (scan.at(v) - before.at(v)).norm();
-    EXPECT_TRUE(way == 0.0 || before.at(v).z() > 0.5 - spacing);
-    moved += way > 0.0;
-  }
-  EXPECT_GT(moved, static_cast<Index>(scan.membranes[0].vertices.size()))
-      << "the rim is smoothed too";
-  EXPECT_EQ(count_pairs(scan.surface), 0);
-}
-
-TEST(SurfaceOpenings, AMembraneGoesBackFromWhatItWouldMeet) {
-  const auto beside = [](const std::vector<double>& heights) {
-    std::vector<SurfaceMesh> bodies = {icosphere(5)};
-    for (const double z : heights) bodies.push_back(ball({0.0, 0.0, z}, 0.05, 2));
-    return OpenScan(joined(bodies), [](const Vec3& p) { return p.z() > 0.5 && p.norm() > 0.99; });
-  };
-  const auto top_of = [](const OpenScan& scan) {
-    double top = 0.0;
-    for (const Index v : scan.membranes[0].vertices) top = std::max(top, scan.at(v).z());
-    return top;
-  };
-  // Where the membrane would pass all of the way, half of it and a quarter.
-  OpenScan once = beside({0.5}), never = beside({0.5, 0.74, 0.85});
-  ASSERT_EQ(once.openings(), 1);
-  once.stretch();
-  EXPECT_TRUE(once.membranes[0].is_stretched);
-  EXPECT_NEAR(top_of(once), 0.75, 0.03);
-  EXPECT_EQ(count_pairs(once.surface), 0);
-
-  ASSERT_EQ(never.openings(), 1);
-  const std::vector<Vec3> before = never.surface.position;
-  never.stretch();
-  EXPECT_FALSE(never.membranes[0].is_stretched);
-  EXPECT_EQ(never.surface.position, before);
-}
-
-TEST(SurfaceOpenings, ATubeDoesNotBecomeAThread) {
-  OpenScan narrow = open_torus(0.5), wide = open_torus(1.8);
-  ASSERT_EQ(narrow.openings(), 1);
-  ASSERT_EQ(wide.openings(), 1);
-  narrow.stretch();
-  EXPECT_TRUE(narrow.membranes[0].is_stretched);
-  const std::vector<Vec3> before = wide.surface.position;
-  wide.stretch();
-  EXPECT_FALSE(wide.membranes[0].is_stretched);
-  EXPECT_EQ(wide.surface.position, before);
-}
-
-TEST(SurfaceOpenings, WithoutARimNothingIsStretched) {
-  // A body that no sample is on, beside one with an opening.
-  OpenScan scan(joined({icosphere(4), ball({4.0, 0.0, 0.0}, 0.5, 2)}),
-                [](const Vec3& p) { return p.x() > 2.0 || p.z() > 0.5; });
-  ASSERT_EQ(scan.openings(), 2);
-  const std::vector<Vec3> before = scan.surface.position;
-  scan.stretch();
-  EXPECT_TRUE(scan.membranes[0].is_stretched);
-  EXPECT_FALSE(scan.membranes[1].is_stretched);
-  for (const Index v : scan.membranes[1].vertices) EXPECT_EQ(scan.surface.position[v], before[v]);
 }
 
 TEST(SurfaceOpenings, CloseSpansThem) {
@@ -261,29 +139,6 @@ TEST(SurfaceOpenings, WidthIsAlongTheSurface) {
   ASSERT_EQ(cup.openings(), 1);
   const double spacing = cup.cloud.frame.to_input_length(cup.cloud.spacing);
   EXPECT_NEAR(cup.membranes[0].width, kPi / spacing, 0.1 * kPi / spacing);
-}
-
-TEST(SurfaceOpenings, FacesThatMeetAnywayAreNoReasonToGoBack) {
-  // A fold of the fit, beside the rim.
-  OpenScan scan = open_sphere();
-  const std::vector<Index>& vertices = scan.membranes[0].vertices;
-  Index v = vertices[0];
-  scan.surface.for_each_outgoing(v, [&](Index h) {
-    const Index u = scan.surface.target(h);
-    if (!std::binary_search(vertices.begin(), vertices.end(), u)) v = u;
-  });
-  Index beyond = v;
-  scan.surface.for_each_outgoing(v, [&](Index h) {
-    const Index u = scan.surface.target(h);
-    if (scan.at(u).z() < scan.at(beyond).z()) beyond = u;
-  });
-  Vec3& p = scan.surface.position[beyond];
-  p += 3.0 * (scan.surface.position[v] - p);  // over its neighbour
-  ASSERT_GT(count_pairs(scan.surface), 0);
-  SurfaceMesh flat = scan.surface;
-  scan.stretch();
-  EXPECT_TRUE(scan.membranes[0].is_stretched);
-  for (const Index u : vertices) EXPECT_LT(scan.at(u).z(), 0.65);
 }
 
 TEST(SurfaceOpenings, NoneOfSoFewSamplesThatTheyTellNoSide) {

@@ -12,6 +12,7 @@
 #include "detail.h"
 #include "finish_matching.h"
 #include "freed_memory.h"
+#include "membrane_stretching.h"
 #include "memory_estimate.h"
 #include "near_copy_insertion.h"
 #include "outliers_on_surface.h"

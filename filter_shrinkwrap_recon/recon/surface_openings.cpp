@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <iterator>
 #include <limits>
 #include <queue>
 #include <utility>
 
 #include "face_patches.h"
-#include "harmonic_surface.h"
 #include "parallel.h"
-#include "self_intersection.h"
 #include "sort_unique.h"
 
 namespace shrinkwrap {
@@ -22,31 +19,9 @@ constexpr int kVotes = 3;
 constexpr int kRimSteps = 5;
 constexpr double kRimWeight = 0.5;  // of the neighbours along the rim, in a step
 constexpr std::size_t kShortestBorder = 16;
-constexpr int kHalvings = 2, kMostRounds = 8;
-constexpr double kLeastArea = 0.75;  // of a membrane of several rims, x its area before
-constexpr double kMostMeeting = 0.2;
 
 bool holds(const std::vector<Index>& ascending, Index i) {
   return std::binary_search(ascending.begin(), ascending.end(), i);
-}
-
-// Whether a membrane is a disc: by the Euler characteristic of the faces and edges at its vertices.
-bool is_disc(const SurfaceMesh& surface, const std::vector<Index>& vertices) {
-  Index edges = 0, faces = 0;  // each counted at its lowest vertex here
-  for (const Index v : vertices)
-    surface.for_each_outgoing(v, [&](Index h) {
-      const Index a = surface.target(h), b = surface.opposite(h);
-      const bool is_above_a = a < v && holds(vertices, a), is_above_b = b < v && holds(vertices, b);
-      edges += is_above_a ? 0 : 1;
-      faces += is_above_a || is_above_b ? 0 : 1;
-    });
-  return static_cast<Index>(vertices.size()) - edges + faces == 1;
-}
-
-double area_around(const SurfaceMesh& surface, const std::vector<Index>& vertices) {
-  double sum = 0.0;
-  for (const Index f : faces_around(surface, vertices)) sum += surface.area_vector(f).norm();
-  return sum;
 }
 
 // Where the samples are, seen from the vertices of membranes.
@@ -124,75 +99,6 @@ bool is_left_open(double width, const CompleteMatchingOptions& options) {
   }
   return width > options.widest_opening;
 }
-
-// A membrane that is being stretched, with what surrounds it.
-class Stretched {
- public:
-  Stretched(const SurfaceMesh& surface, SurfaceMembrane& membrane)
-      : membrane_(&membrane),
-        moved_(membrane.vertices),
-        area_before_(area_around(surface, membrane.vertices)) {
-    for (const Index v : membrane.vertices)
-      surface.for_each_outgoing(v, [&](Index h) {
-        const Index u = surface.target(h);
-        if (!holds(membrane.vertices, u)) rim_.push_back(u);
-      });
-    sort_unique(rim_);
-    moved_.insert(moved_.end(), rim_.begin(), rim_.end());
-    for (const Index v : moved_) before_.push_back(surface.position[v]);
-    membrane.is_stretched = has_rim();
-  }
-
-  bool has_rim() const { return !rim_.empty(); }  // otherwise it is a body without samples
-  bool is_stretched() const { return membrane_->is_stretched; }
-
-  void smooth_rim(SurfaceMesh& surface) const {
-    std::vector<Vec3> smoothed(rim_.size());
-    for (int step = 0; step < kRimSteps; ++step) {
-      for (std::size_t i = 0; i < rim_.size(); ++i) {
-        const Vec3& p = surface.position[rim_[i]];
-        Vec3 sum = Vec3::Zero();
-        int count = 0;
-        surface.for_each_outgoing(rim_[i], [&](Index h) {
-          if (!holds(rim_, surface.target(h))) return;
-          sum += surface.position[surface.target(h)] - p;
-          ++count;
-        });
-        smoothed[i] = count > 0 ? Vec3(p + kRimWeight / count * sum) : p;
-      }
-      for (std::size_t i = 0; i < rim_.size(); ++i) surface.position[rim_[i]] = smoothed[i];
-    }
-  }
-
-  bool is_neck(const SurfaceMesh& surface) const {
-    return area_around(surface, membrane_->vertices) < kLeastArea * area_before_ &&
-           !is_disc(surface, membrane_->vertices);
-  }
-  bool has_one_of(const std::vector<Index>& ascending) const {
-    return std::any_of(moved_.begin(), moved_.end(), [&](Index v) { return holds(ascending, v); });
-  }
-
-  // Half of the way; at last all of it.
-  void go_back(SurfaceMesh& surface) {
-    if (++halvings_ > kHalvings) return go_back_all_the_way(surface);
-    for (std::size_t i = 0; i < moved_.size(); ++i) {
-      Vec3& p = surface.position[moved_[i]];
-      p = 0.5 * (p + before_[i]);
-    }
-  }
-  void go_back_all_the_way(SurfaceMesh& surface) {
-    for (std::size_t i = 0; i < moved_.size(); ++i) surface.position[moved_[i]] = before_[i];
-    membrane_->is_stretched = false;
-  }
-
- private:
-  SurfaceMembrane* membrane_;
-  std::vector<Index> rim_;    // ascending
-  std::vector<Index> moved_;  // the membrane's vertices, then those of its rims
-  std::vector<Vec3> before_;  // where these were
-  double area_before_;
-  int halvings_ = 0;
-};
 
 // The borders of what is left without these faces (ascending), each in order.
 std::vector<std::vector<Index>> borders_of(const SurfaceMesh& surface,
@@ -275,50 +181,6 @@ std::vector<SurfaceMembrane> find_surface_membranes(const SurfaceMesh& surface,
     openings.push_back(std::move(membrane));
   }
   return openings;
-}
-
-void stretch_membranes(SurfaceMesh& surface, std::vector<SurfaceMembrane>& membranes,
-                       Progress& progress) {
-  std::vector<Stretched> stretched;
-  std::vector<Index> vertices;
-  for (SurfaceMembrane& membrane : membranes) {
-    if (!membrane.is_far || membrane.is_left_open) continue;
-    Stretched one(surface, membrane);
-    if (!one.has_rim()) continue;
-    stretched.push_back(std::move(one));
-    vertices.insert(vertices.end(), membrane.vertices.begin(), membrane.vertices.end());
-  }
-  if (stretched.empty()) return;
-  const std::vector<Triangle> triangles = surface.triangles();
-  const auto faces_that_meet = [&] {
-    return self_intersecting_faces(surface.position, triangles, progress);
-  };
-  const auto all_go_back = [&] {
-    for (Stretched& one : stretched) one.go_back_all_the_way(surface);
-  };
-  const std::vector<Index> met_before = faces_that_meet();
-  if (static_cast<double>(met_before.size()) > kMostMeeting * surface.face_count())
-    return all_go_back();
-  std::sort(vertices.begin(), vertices.end());
-  for (const Stretched& one : stretched) one.smooth_rim(surface);
-  if (!make_harmonic(surface, vertices, progress)) return all_go_back();
-  for (Stretched& one : stretched)
-    if (one.is_neck(surface)) one.go_back_all_the_way(surface);
-  for (int round = 0; round < kMostRounds; ++round) {
-    const std::vector<Index> met = faces_that_meet();
-    std::vector<Index> meeting;
-    std::set_difference(met.begin(), met.end(), met_before.begin(), met_before.end(),
-                        std::back_inserter(meeting));
-    const std::vector<Index> corners = corners_of(surface, meeting);
-    bool goes_back = false;
-    for (Stretched& one : stretched) {
-      if (!one.is_stretched() || !one.has_one_of(corners)) continue;
-      one.go_back(surface);
-      goes_back = true;
-    }
-    if (!goes_back) return;
-  }
-  all_go_back();
 }
 
 SurfaceOpenings cut_surface_openings(SurfaceMesh& surface,

@@ -1,5 +1,5 @@
-// Openings of the scan where a run ends at the parametric surface: its membranes, faired (hole
-// filling) or left out.
+// Openings of the scan where a run ends at the parametric surface: its membranes, which stay
+// (membrane_stretching.h) or are left out.
 #pragma once
 
 #include <vector>
@@ -32,14 +32,6 @@ std::vector<SurfaceMembrane> find_surface_membranes(const SurfaceMesh& surface,
                                                     const PointCloud& cloud,
                                                     const CompleteMatchingOptions& options,
                                                     Progress& progress);
-
-/// Stretches the membranes that are far from samples and not left open (harmonic_surface.h) over
-/// rims that are smoothed a little, and sets `is_stretched`: the initial mesh had them bulge, and
-/// fitting knows nothing of them. One whose faces would then meet others, though they did not
-/// before, goes back half of the way, twice, and at last all of it; one of several rims that would
-/// become a thin neck stays as it is, and so do all if a fifth of the faces meet others anyway.
-void stretch_membranes(SurfaceMesh& surface, std::vector<SurfaceMembrane>& membranes,
-                       Progress& progress);
 
 /// What becomes of the faces of membranes, those with a corner in one.
 struct SurfaceOpenings {

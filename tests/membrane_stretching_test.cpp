@@ -1,0 +1,200 @@
+// Membranes of a parametric surface, stretched between their rims.
+#include "membrane_stretching.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "face_patches.h"
+#include "meeting_pairs.h"
+#include "open_scan.h"
+#include "shapes.h"
+
+namespace shrinkwrap::testing {
+namespace {
+
+SurfaceMesh ball(const Vec3& centre, double radius, int subdivisions) {
+  return placed(icosphere(subdivisions), radius, centre);
+}
+
+// The torus without samples over an angle around its axis.
+OpenScan open_torus(double angle) {
+  return OpenScan(torus_mesh(150, 50), [angle](const Vec3& p) {
+    return std::abs(std::atan2(p.y(), p.x())) < 0.5 * angle;
+  });
+}
+
+TEST(MembraneStretching, AMembraneIsStretchedFlat) {
+  OpenScan scan = open_sphere();
+  const OpenScan before = open_sphere();
+  scan.stretch();
+  ASSERT_TRUE(scan.membranes[0].is_stretched);
+  const double spacing = scan.cloud.frame.to_input_length(scan.cloud.spacing);
+  for (const Index v : scan.membranes[0].vertices) {
+    EXPECT_NEAR(scan.at(v).z(), 0.5, spacing);
+    EXPECT_LT(std::hypot(scan.at(v).x(), scan.at(v).y()), 0.9);
+  }
+  Index moved = 0;
+  for (Index v = 0; v < scan.surface.vertex_slots(); ++v) {
+    const double way = (scan.at(v) - before.at(v)).norm();
+    EXPECT_TRUE(way == 0.0 || before.at(v).z() > 0.5 - spacing);
+    moved += way > 0.0;
+  }
+  EXPECT_GT(moved, static_cast<Index>(scan.membranes[0].vertices.size()))
+      << "the rim is smoothed too";
+  EXPECT_EQ(count_pairs(scan.surface), 0);
+}
+
+// A sphere, open above, and small balls on its axis: where the membrane would pass when flat, or
+// halfway and three quarters of the way back to the sphere.
+OpenScan with_balls(const std::vector<double>& heights, double rim = 0.5) {
+  std::vector<SurfaceMesh> bodies = {icosphere(5)};
+  for (const double z : heights) bodies.push_back(ball({0.0, 0.0, z}, 0.05, 2));
+  return OpenScan(joined(bodies), [rim](const Vec3& p) { return p.z() > rim && p.norm() > 0.99; });
+}
+
+double top_of(const OpenScan& scan) {
+  double top = -1.0;
+  for (const Index v : scan.membranes[0].vertices) top = std::max(top, scan.at(v).z());
+  return top;
+}
+
+TEST(MembraneStretching, GoesBackWhereItWouldMeetSomething) {
+  OpenScan once = with_balls({0.5}), thrice = with_balls({0.5, 0.74, 0.85});
+  for (OpenScan* scan : {&once, &thrice}) {
+    ASSERT_EQ(scan->openings(), 1);
+    const std::vector<Vec3> before = scan->surface.position;
+    scan->stretch();
+    EXPECT_TRUE(scan->membranes[0].is_stretched);
+    EXPECT_EQ(count_pairs(scan->surface), 0);
+    // Flat elsewhere, and not steep on the way there.
+    Index flat = 0;
+    for (const Index v : scan->membranes[0].vertices)
+      if (std::hypot(scan->at(v).x(), scan->at(v).y()) > 0.7) {
+        EXPECT_NEAR(scan->at(v).z(), 0.5, 0.03);
+        ++flat;
+      }
+    EXPECT_GT(flat, 100);
+    for (const Index f : faces_around(scan->surface, scan->membranes[0].vertices)) {
+      const Vec3 normal = scan->surface.area_vector(f).normalized();
+      EXPECT_GT(normal.z(), 0.2);
+    }
+  }
+  EXPECT_NEAR(top_of(once), 0.75, 0.03);
+  EXPECT_NEAR(top_of(thrice), 1.0, 0.01) << "all of the way";
+}
+
+TEST(MembraneStretching, AnOtherSideGoesBackAsAWhole) {
+  // More of it than was seen: the half of the way is the same everywhere.
+  OpenScan scan = with_balls({-0.2}, -0.2);
+  ASSERT_EQ(scan.openings(), 1);
+  const std::vector<Vec3> before = scan.surface.position;
+  OpenScan flat = with_balls({}, -0.2);
+  flat.stretch();
+  EXPECT_NEAR(top_of(flat), -0.2, 0.03);
+  scan.stretch();
+  EXPECT_TRUE(scan.membranes[0].is_stretched);
+  EXPECT_EQ(count_pairs(scan.surface), 0);
+  Index compared = 0;
+  for (const Index v : scan.membranes[0].vertices) {
+    const Vec3 at_first = scan.cloud.frame.to_input(before[v]);
+    if (at_first.z() < 0.0) continue;
+    EXPECT_NEAR(scan.at(v).z(), 0.5 * (at_first.z() - 0.2), 0.04);
+    ++compared;
+  }
+  EXPECT_GT(compared, 1000);
+}
+
+// A sphere cut off at a height; in place of its top a bulge around an island of samples, which lies
+// in the plane of the rim.
+OpenScan around_an_island(double rim, double bulge) {
+  const double edge = std::sqrt(1.0 - rim * rim), inner = 0.15;
+  SurfaceMesh mesh = icosphere(5);
+  for (Vec3& p : mesh.position) {
+    if (p.z() <= rim) continue;
+    // Even over the radius, from the pole to the rim.
+    const double r = std::acos(p.z()) / std::acos(rim) * edge, scale = r / std::hypot(p.x(), p.y());
+    if (r > 0.0) p.head<2>() *= scale;
+    p.z() = rim;
+    if (r > inner) p.z() += bulge * std::sin(kPi * (r - inner) / (edge - inner));
+  }
+  return OpenScan(mesh, [&](const Vec3& p) { return p.z() > rim; });
+}
+
+TEST(MembraneStretching, AnIslandOfSamplesIsNoReasonToStayBulging) {
+  OpenScan scan = around_an_island(0.5, 0.35);
+  ASSERT_EQ(scan.openings(), 1);
+  EXPECT_NEAR(top_of(scan), 0.85, 0.01);
+  const auto area = [&] {
+    double sum = 0.0;
+    for (const Index f : faces_around(scan.surface, scan.membranes[0].vertices))
+      sum += scan.surface.area_vector(f).norm();
+    return sum;
+  };
+  const double before = area();
+  scan.stretch();
+  EXPECT_TRUE(scan.membranes[0].is_stretched);
+  EXPECT_NEAR(top_of(scan), 0.5, 0.03);
+  EXPECT_LT(area(), 0.75 * before) << "no less than of a neck";
+}
+
+TEST(MembraneStretching, AnOtherSideWithAnIslandStaysAsItIs) {
+  OpenScan scan = around_an_island(-0.2, 0.9);
+  ASSERT_EQ(scan.openings(), 1);
+  const std::vector<Vec3> before = scan.surface.position;
+  scan.stretch();
+  EXPECT_FALSE(scan.membranes[0].is_stretched);
+  EXPECT_EQ(scan.surface.position, before);
+}
+
+TEST(MembraneStretching, ATubeDoesNotBecomeAThread) {
+  OpenScan narrow = open_torus(0.5), wide = open_torus(1.8);
+  ASSERT_EQ(narrow.openings(), 1);
+  ASSERT_EQ(wide.openings(), 1);
+  narrow.stretch();
+  EXPECT_TRUE(narrow.membranes[0].is_stretched);
+  const std::vector<Vec3> before = wide.surface.position;
+  wide.stretch();
+  EXPECT_FALSE(wide.membranes[0].is_stretched);
+  EXPECT_EQ(wide.surface.position, before);
+}
+
+TEST(MembraneStretching, WithoutARimNothingIsStretched) {
+  // A body that no sample is on, beside one with an opening.
+  OpenScan scan(joined({icosphere(4), ball({4.0, 0.0, 0.0}, 0.5, 2)}),
+                [](const Vec3& p) { return p.x() > 2.0 || p.z() > 0.5; });
+  ASSERT_EQ(scan.openings(), 2);
+  const std::vector<Vec3> before = scan.surface.position;
+  scan.stretch();
+  EXPECT_TRUE(scan.membranes[0].is_stretched);
+  EXPECT_FALSE(scan.membranes[1].is_stretched);
+  for (const Index v : scan.membranes[1].vertices) EXPECT_EQ(scan.surface.position[v], before[v]);
+}
+
+TEST(MembraneStretching, FacesThatMeetAnywayAreNoReasonToGoBack) {
+  // A fold of the fit, beside the rim.
+  OpenScan scan = open_sphere();
+  const std::vector<Index>& vertices = scan.membranes[0].vertices;
+  Index v = vertices[0];
+  scan.surface.for_each_outgoing(v, [&](Index h) {
+    const Index u = scan.surface.target(h);
+    if (!std::binary_search(vertices.begin(), vertices.end(), u)) v = u;
+  });
+  Index beyond = v;
+  scan.surface.for_each_outgoing(v, [&](Index h) {
+    const Index u = scan.surface.target(h);
+    if (scan.at(u).z() < scan.at(beyond).z()) beyond = u;
+  });
+  Vec3& p = scan.surface.position[beyond];
+  p += 3.0 * (scan.surface.position[v] - p);  // over its neighbour
+  ASSERT_GT(count_pairs(scan.surface), 0);
+  SurfaceMesh flat = scan.surface;
+  scan.stretch();
+  EXPECT_TRUE(scan.membranes[0].is_stretched);
+  for (const Index u : vertices) EXPECT_LT(scan.at(u).z(), 0.65);
+}
+
+}  // namespace
+}  // namespace shrinkwrap::testing
