@@ -11,6 +11,7 @@
 #include "face_patches.h"
 #include "open_scan.h"
 #include "reconstruct.h"
+#include "self_intersection.h"
 #include "shapes.h"
 
 namespace shrinkwrap::testing {
@@ -110,6 +111,43 @@ TEST(SurfaceOpenings, TheirBordersAreSmoothed) {
   EXPECT_GT(length, 0.8 * length_before);
   for (Index v = 0; v < surface.vertex_slots(); ++v)
     EXPECT_EQ(surface.position[v] != before[v], is_on_border[v] != 0);
+}
+
+TEST(SurfaceOpenings, ABorderThatWouldMeetSomethingIsNotSmoothed) {
+  // Two openings in a sphere, and a ball beside it that is put where the upper border would go.
+  const SurfaceMesh sphere = icosphere(4);
+  const auto make_scan = [&] {
+    return OpenScan(joined({sphere, placed(icosphere(1), 0.05, {3.0, 0.0, 0.0})}),
+                    [](const Vec3& p) { return p.x() < 2.0 && (p.z() > 0.5 || p.z() < -0.7); });
+  };
+  OpenScan smoothed = make_scan(), scan = make_scan();
+  const std::vector<Vec3> before = scan.surface.position;
+  const SurfaceOpenings openings = smoothed.cut(Openings::leave_open);
+  ASSERT_EQ(openings.report.left_open, 2);
+  Index farthest = 0;  // of those that move up, away from what is left
+  const auto climb = [&](Index v) { return smoothed.surface.position[v].z() - before[v].z(); };
+  for (Index v = 0; v < sphere.vertex_slots(); ++v)
+    if (scan.at(v).z() > 0.0 && climb(v) > climb(farthest)) farthest = v;
+  for (Index v = sphere.vertex_slots(); v < scan.surface.vertex_slots(); ++v)
+    scan.surface.position[v] =
+        smoothed.surface.position[farthest] +
+        0.05 * climb(farthest) * icosphere(1).position[v - sphere.vertex_slots()];
+  const std::vector<Vec3> with_ball = scan.surface.position;
+
+  EXPECT_EQ(cut_surface_openings(scan.surface, smoothed.membranes, scan.silent).opening_faces,
+            openings.opening_faces);
+  std::vector<Triangle> left;
+  for (Index f = 0; f < scan.surface.face_slots(); ++f)
+    if (!std::binary_search(openings.opening_faces.begin(), openings.opening_faces.end(), f))
+      left.push_back(scan.surface.triangle(f));
+  EXPECT_TRUE(self_intersections(scan.surface.position, left, scan.silent).empty());
+  std::vector<Vec3> met = with_ball;  // had it been smoothed all the same
+  for (Index v = 0; v < sphere.vertex_slots(); ++v) met[v] = smoothed.surface.position[v];
+  EXPECT_FALSE(self_intersections(met, left, scan.silent).empty());
+  for (Index v = 0; v < sphere.vertex_slots(); ++v) {
+    const Vec3& expected = scan.at(v).z() > 0.0 ? before[v] : smoothed.surface.position[v];
+    EXPECT_EQ(scan.surface.position[v], expected);
+  }
 }
 
 TEST(SurfaceOpenings, AutomaticDecidesByTheirWidth) {

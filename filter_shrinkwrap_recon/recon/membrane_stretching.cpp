@@ -6,12 +6,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <iterator>
+#include <queue>
+#include <utility>
 
+#include "box_tree.h"
 #include "face_patches.h"
 #include "harmonic_surface.h"
 #include "self_intersection.h"
 #include "sort_unique.h"
+#include "triangle_pair.h"
 
 namespace shrinkwrap {
 namespace {
@@ -19,22 +24,19 @@ namespace {
 constexpr int kRimSteps = 5;
 constexpr double kRimWeight = 0.5;  // of the neighbours along the rim, in a step
 constexpr double kMostMeeting = 0.2;
-// A neck is squeezed across itself, and not along, over more than such a part of its area; a bulge
-// that becomes flat shrinks alike both ways.
+// A neck is squeezed more one way than the other over a large part of its area. A bulge that
+// becomes flat around a small island shrinks about alike both ways; around a large one it is taken
+// for a neck too.
 constexpr double kSqueezed = 0.55, kMostSqueezed = 0.25;
 constexpr double kLeastShare = 0.25;  // of the way; less is none
-constexpr double kShareAnEdge = 0.125;
-constexpr int kMostRounds = 8;  // of either kind of going back
+constexpr double kSteepest = 1.0;  // of what holds vertices back, over the way along the membrane
+constexpr int kMostRounds = 16;    // of either kind of going back
+constexpr std::size_t kMostPairs = 1280;  // of each cluster of 64 faces: all, but of a heap
 
 using Corners = std::array<Vec3, 3>;
 
 bool holds(const std::vector<Index>& ascending, Index i) {
   return std::binary_search(ascending.begin(), ascending.end(), i);
-}
-
-Corners corners_of_face(const SurfaceMesh& surface, Index f) {
-  const auto [a, b, c] = surface.triangle(f);
-  return {surface.position[a], surface.position[b], surface.position[c]};
 }
 
 // Of the linear map from a triangle to another: the least stretch over the greatest, 0 to 1. (The
@@ -80,167 +82,214 @@ std::vector<double> seen_areas(const SurfaceMesh& surface, const MeshComponents&
   return area;
 }
 
-// A membrane that is being stretched, with the vertices of its rims. Each of them goes a share of
-// its way.
-class Stretched {
+using Pairs = std::vector<std::pair<Index, Index>>;
+
+KeptMeetings faces_that_meet(const SurfaceMesh& surface, const std::vector<Triangle>& triangles,
+                             Progress& progress) {
+  const BoxTree tree(surface.position, triangles, progress);
+  return keep_meetings(tree, TrianglePairs(surface.position), triangles, kMostPairs, progress);
+}
+
+std::vector<Index> corners_of(const SurfaceMesh& surface, const Pairs& pairs) {
+  std::vector<Index> faces;
+  for (const auto& [f, g] : pairs) faces.insert(faces.end(), {f, g});
+  sort_unique(faces);
+  return corners_of(surface, faces);
+}
+
+// A membrane with the vertices around it, as places among all that move.
+struct Part {
+  SurfaceMembrane* membrane = nullptr;
+  std::vector<Index> faces;    // with a corner in the membrane, ascending
+  std::vector<Index> places;   // of its vertices and those of its rims, ascending
+  bool is_other_side = false;  // of what was seen, rather than an opening in it
+};
+
+// Membranes on their way to where they are stretched. Each vertex, of them and of their rims, goes
+// a share of its own way.
+class Stretching {
  public:
-  // `seen_area`: of its body, as `seen_areas` has it.
-  Stretched(const SurfaceMesh& surface, SurfaceMembrane& membrane, double seen_area)
-      : membrane_(&membrane), faces_(faces_around(surface, membrane.vertices)) {
-    for (const Index v : corners_of(surface, faces_))
-      if (!holds(membrane.vertices, v)) rim_.push_back(v);
-    std::merge(membrane.vertices.begin(), membrane.vertices.end(), rim_.begin(), rim_.end(),
-               std::back_inserter(moved_));
-    for (const Index v : moved_) before_.push_back(surface.position[v]);
-    for (const Index f : faces_) {
-      corners_before_.push_back(corners_of_face(surface, f));
-      area_ += surface.area_vector(f).norm();
+  Stretching(SurfaceMesh& surface, std::vector<SurfaceMembrane>& membranes, Progress& progress)
+      : surface_(surface) {
+    const MeshComponents components = connected_components(surface, progress);
+    const std::vector<double> seen = seen_areas(surface, components, membranes);
+    for (SurfaceMembrane& membrane : membranes) {
+      if (!membrane.is_far || membrane.is_left_open || membrane.vertices.empty()) continue;
+      Part part;
+      part.membrane = &membrane;
+      part.faces = faces_around(surface, membrane.vertices);
+      double area = 0.0;
+      for (const Index f : part.faces) area += surface.area_vector(f).norm();
+      part.is_other_side = area > seen[components.of_vertex[membrane.vertices.front()]];
+      const std::vector<Index> corners = corners_of(surface, part.faces);
+      if (corners.size() == membrane.vertices.size()) continue;  // a body without samples
+      stretched_.insert(stretched_.end(), membrane.vertices.begin(), membrane.vertices.end());
+      moved_.insert(moved_.end(), corners.begin(), corners.end());
+      parts_.push_back(std::move(part));
     }
-    is_other_side_ = area_ > seen_area;
-    share_.assign(moved_.size(), 1.0);
+    sort_unique(stretched_);
+    sort_unique(moved_);
+    std::set_difference(moved_.begin(), moved_.end(), stretched_.begin(), stretched_.end(),
+                        std::back_inserter(rims_));
+    for (Part& part : parts_)
+      for (const Index v : corners_of(surface, part.faces)) part.places.push_back(place_of(v));
+    for (const Index v : moved_) before_.push_back(surface.position[v]);
+    share_.assign(moved_.size(), 0.0);
   }
 
-  bool has_rim() const { return !rim_.empty(); }  // otherwise it is a body without samples
+  bool is_empty() const { return parts_.empty(); }
 
-  void smooth_rim(SurfaceMesh& surface) const {
-    std::vector<Vec3> smoothed(rim_.size());
+  // All of the way, but for necks.
+  void set_out(Progress& progress) {
+    smooth_rims();
+    const bool is_solved = make_harmonic(surface_, stretched_, progress);
+    for (const Index v : moved_) after_.push_back(surface_.position[v]);
+    share_.assign(moved_.size(), is_solved ? 1.0 : 0.0);
+    std::vector<Index> lowered;
+    for (const Part& part : parts_)
+      if (is_to_stay(part)) lowered.insert(lowered.end(), part.places.begin(), part.places.end());
+    for (const Index i : lowered) share_[i] = 0.0;
+    fall_off(lowered);
+    move();
+  }
+
+  // From some vertices (ascending) half of the way, at last all of it, and less and less around
+  // them: from an other side as a whole; `wholly`: from any membrane, all of the way. False if none
+  // of the vertices has moved.
+  bool go_back(const std::vector<Index>& vertices, bool wholly) {
+    std::vector<Index> lowered;
+    for (const Part& part : parts_) {
+      std::vector<Index> here;
+      for (const Index i : part.places)
+        if (share_[i] > 0.0 && holds(vertices, moved_[i])) here.push_back(i);
+      if (!here.empty() && (wholly || part.is_other_side)) here = part.places;
+      lowered.insert(lowered.end(), here.begin(), here.end());
+    }
+    if (lowered.empty()) return false;
+    sort_unique(lowered);
+    for (const Index i : lowered) {
+      share_[i] *= 0.5;
+      if (wholly || share_[i] < kLeastShare) share_[i] = 0.0;
+    }
+    fall_off(lowered);
+    move();
+    return true;
+  }
+  void go_back_all_the_way() {
+    share_.assign(moved_.size(), 0.0);
+    move();
+  }
+
+  // Says which membranes are stretched, somewhere at least.
+  void tell() const {
+    for (const Part& part : parts_)
+      part.membrane->is_stretched =
+          std::any_of(part.membrane->vertices.begin(), part.membrane->vertices.end(),
+                      [&](Index v) { return share_[place_of(v)] > 0.0; });
+  }
+
+ private:
+  Index place_of(Index v) const {
+    return static_cast<Index>(std::lower_bound(moved_.begin(), moved_.end(), v) - moved_.begin());
+  }
+
+  void smooth_rims() {
+    std::vector<Vec3> smoothed(rims_.size());
     for (int step = 0; step < kRimSteps; ++step) {
-      for (std::size_t i = 0; i < rim_.size(); ++i) {
-        const Vec3& p = surface.position[rim_[i]];
+      for (std::size_t i = 0; i < rims_.size(); ++i) {
+        const Vec3& p = surface_.position[rims_[i]];
         Vec3 sum = Vec3::Zero();
         int count = 0;
-        surface.for_each_outgoing(rim_[i], [&](Index h) {
-          if (!holds(rim_, surface.target(h))) return;
-          sum += surface.position[surface.target(h)] - p;
+        surface_.for_each_outgoing(rims_[i], [&](Index h) {
+          if (!holds(rims_, surface_.target(h))) return;
+          sum += surface_.position[surface_.target(h)] - p;
           ++count;
         });
         smoothed[i] = count > 0 ? Vec3(p + kRimWeight / count * sum) : p;
       }
-      for (std::size_t i = 0; i < rim_.size(); ++i) surface.position[rim_[i]] = smoothed[i];
+      for (std::size_t i = 0; i < rims_.size(); ++i) surface_.position[rims_[i]] = smoothed[i];
     }
   }
 
-  // Whether it should stay as it is after all.
-  bool becomes_neck(const SurfaceMesh& surface) const {
-    if (is_disc(surface, membrane_->vertices)) return false;
-    if (is_other_side_) return true;  // with what was seen of it as islands
-    double squeezed = 0.0;
-    for (std::size_t i = 0; i < faces_.size(); ++i) {
-      const Corners& before = corners_before_[i];
-      if (likeness_of_stretches(before, corners_of_face(surface, faces_[i])) < kSqueezed)
-        squeezed += (before[1] - before[0]).cross(before[2] - before[0]).norm();
-    }
-    return squeezed > kMostSqueezed * area_;
+  Corners corners(Index f, const std::vector<Vec3>& position) const {
+    const auto [a, b, c] = surface_.triangle(f);
+    return {position[place_of(a)], position[place_of(b)], position[place_of(c)]};
   }
 
-  // Where the vertices are now, is the end of their way.
-  void set_out(const SurfaceMesh& surface) {
-    for (const Index v : moved_) after_.push_back(surface.position[v]);
-    membrane_->is_stretched = true;
+  // Whether a membrane had better not be stretched at all.
+  bool is_to_stay(const Part& part) const {
+    if (is_disc(surface_, part.membrane->vertices)) return false;
+    if (part.is_other_side) return true;
+    double all = 0.0, squeezed = 0.0;
+    for (const Index f : part.faces) {
+      const Corners from = corners(f, before_);
+      const double area = (from[1] - from[0]).cross(from[2] - from[0]).norm();
+      all += area;
+      if (likeness_of_stretches(from, corners(f, after_)) < kSqueezed) squeezed += area;
+    }
+    return squeezed > kMostSqueezed * all;
   }
 
-  // From some vertices (ascending) half of the way, at last all of it, and less and less around
-  // them; an other side as a whole. False if none of them is here or moved.
-  bool go_back(SurfaceMesh& surface, const std::vector<Index>& vertices) {
-    if (!moves_one_of(vertices)) return false;
-    std::vector<Index> lowered;  // their places
-    for (std::size_t i = 0; i < moved_.size(); ++i) {
-      if (share_[i] == 0.0 || (!is_other_side_ && !holds(vertices, moved_[i]))) continue;
-      share_[i] *= 0.5;
-      if (share_[i] < kLeastShare) share_[i] = 0.0;
-      lowered.push_back(static_cast<Index>(i));
-    }
-    for (std::size_t k = 0; k < lowered.size(); ++k) {
-      const double most = share_[lowered[k]] + kShareAnEdge;
-      surface.for_each_outgoing(moved_[lowered[k]], [&](Index h) {
-        const auto at = std::lower_bound(moved_.begin(), moved_.end(), surface.target(h));
-        if (at == moved_.end() || *at != surface.target(h)) return;
-        const Index i = static_cast<Index>(at - moved_.begin());
-        if (share_[i] <= most) return;
-        share_[i] = most;
-        lowered.push_back(i);
+  // Lowers shares so that between neighbours of these places, and on from there, what a vertex is
+  // held back by grows no faster than the distance from its neighbour, times kSteepest.
+  void fall_off(const std::vector<Index>& places) {
+    using Entry = std::pair<double, Index>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    for (const Index i : places) queue.push({share_[i], i});
+    while (!queue.empty()) {
+      const auto [share, i] = queue.top();
+      queue.pop();
+      if (share > share_[i]) continue;
+      surface_.for_each_outgoing(moved_[i], [&](Index h) {
+        const Index j = place_of(surface_.target(h));
+        if (j == static_cast<Index>(moved_.size()) || moved_[j] != surface_.target(h)) return;
+        const double way = (after_[j] - before_[j]).norm();
+        const double most = share * way + kSteepest * (after_[j] - after_[i]).norm();
+        if (share_[j] * way <= most) return;
+        share_[j] = most / way;
+        queue.push({share_[j], j});
       });
     }
-    for (const Index i : lowered)
-      surface.position[moved_[i]] =
-          share_[i] > 0.0 ? Vec3(before_[i] + share_[i] * (after_[i] - before_[i])) : before_[i];
-    membrane_->is_stretched =
-        std::any_of(share_.begin(), share_.end(), [](double share) { return share > 0.0; });
-    return true;
-  }
-  void go_back_all_the_way(SurfaceMesh& surface) {
-    for (std::size_t i = 0; i < moved_.size(); ++i) surface.position[moved_[i]] = before_[i];
-    share_.assign(moved_.size(), 0.0);
-    membrane_->is_stretched = false;
-  }
-  bool moves_one_of(const std::vector<Index>& vertices) const {
-    for (std::size_t i = 0; i < moved_.size(); ++i)
-      if (share_[i] > 0.0 && holds(vertices, moved_[i])) return true;
-    return false;
   }
 
- private:
-  SurfaceMembrane* membrane_;
-  std::vector<Index> faces_;  // with a corner in the membrane, ascending
-  std::vector<Index> rim_;    // ascending
-  std::vector<Index> moved_;  // the membrane's vertices and those of its rims, ascending
+  void move() {
+    for (std::size_t i = 0; i < moved_.size(); ++i) {
+      Vec3& p = surface_.position[moved_[i]];
+      p = share_[i] > 0.0 ? Vec3(before_[i] + share_[i] * (after_[i] - before_[i])) : before_[i];
+    }
+  }
+
+  SurfaceMesh& surface_;
+  std::vector<Part> parts_;
+  std::vector<Index> stretched_;  // the vertices of the membranes, ascending
+  std::vector<Index> rims_;       // the vertices around them, ascending
+  std::vector<Index> moved_;      // these, and those of their rims, ascending
   std::vector<Vec3> before_, after_;
-  std::vector<Corners> corners_before_;  // of the faces
-  std::vector<double> share_;            // of the way from before to after
-  double area_ = 0.0;                    // twice that of the faces, before
-  bool is_other_side_ = false;           // of what was seen, rather than an opening in it
+  std::vector<double> share_;  // of the way from before to after
 };
 
 }  // namespace
 
 void stretch_membranes(SurfaceMesh& surface, std::vector<SurfaceMembrane>& membranes,
                        Progress& progress) {
-  const MeshComponents components = connected_components(surface, progress);
-  const std::vector<double> seen = seen_areas(surface, components, membranes);
-  std::vector<Stretched> stretched;
-  std::vector<Index> vertices;
-  for (SurfaceMembrane& membrane : membranes) {
-    if (!membrane.is_far || membrane.is_left_open) continue;
-    Stretched one(surface, membrane, seen[components.of_vertex[membrane.vertices.front()]]);
-    if (!one.has_rim()) continue;
-    stretched.push_back(std::move(one));
-    vertices.insert(vertices.end(), membrane.vertices.begin(), membrane.vertices.end());
-  }
-  if (stretched.empty()) return;
+  Stretching stretching(surface, membranes, progress);
+  if (stretching.is_empty()) return;
   const std::vector<Triangle> triangles = surface.triangles();
-  const auto faces_that_meet = [&] {
-    return self_intersecting_faces(surface.position, triangles, progress);
-  };
-  const std::vector<Index> met_before = faces_that_meet();
-  if (static_cast<double>(met_before.size()) > kMostMeeting * surface.face_count()) return;
-  sort_unique(vertices);
-  const auto all_go_back = [&] {
-    for (Stretched& one : stretched) one.go_back_all_the_way(surface);
-  };
-  for (const Stretched& one : stretched) one.smooth_rim(surface);
-  if (!make_harmonic(surface, vertices, progress)) return all_go_back();
-  for (Stretched& one : stretched) {
-    one.set_out(surface);
-    if (one.becomes_neck(surface)) one.go_back_all_the_way(surface);
-  }
-  for (int round = 0; round < 2 * kMostRounds; ++round) {
-    const std::vector<Index> met = faces_that_meet();
-    std::vector<Index> meeting;
-    std::set_difference(met.begin(), met.end(), met_before.begin(), met_before.end(),
-                        std::back_inserter(meeting));
-    const std::vector<Index> corners = corners_of(surface, meeting);
-    bool goes_back = false;
-    for (Stretched& one : stretched) {
-      if (round < kMostRounds) {
-        goes_back = one.go_back(surface, corners) || goes_back;
-      } else if (one.moves_one_of(corners)) {
-        one.go_back_all_the_way(surface);
-        goes_back = true;
-      }
+  const KeptMeetings before = faces_that_meet(surface, triangles, progress);
+  if (static_cast<double>(before.faces.size()) > kMostMeeting * surface.face_count()) return;
+  stretching.set_out(progress);
+  for (int round = 0;; ++round) {
+    const Pairs now = faces_that_meet(surface, triangles, progress).pairs;
+    Pairs added;
+    std::set_difference(now.begin(), now.end(), before.pairs.begin(), before.pairs.end(),
+                        std::back_inserter(added));
+    if (round == 2 * kMostRounds) {
+      if (!added.empty()) stretching.go_back_all_the_way();
+      break;
     }
-    if (!goes_back) return;
+    if (!stretching.go_back(corners_of(surface, added), round >= kMostRounds)) break;
   }
-  all_go_back();
+  stretching.tell();
 }
 
 }  // namespace shrinkwrap

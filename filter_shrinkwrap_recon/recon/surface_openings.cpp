@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <queue>
 #include <utility>
 
 #include "face_patches.h"
 #include "parallel.h"
+#include "self_intersection.h"
 #include "sort_unique.h"
 
 namespace shrinkwrap {
@@ -16,8 +18,8 @@ namespace {
 
 constexpr Index kGrain = 1 << 11, kPollInterval = 1 << 12;
 constexpr int kVotes = 3;
-constexpr int kRimSteps = 5;
-constexpr double kRimWeight = 0.5;  // of the neighbours along the rim, in a step
+constexpr int kBorderSteps = 5;
+constexpr double kBorderWeight = 0.5;  // of the neighbours along the border, in a step
 constexpr std::size_t kShortestBorder = 16;
 
 bool holds(const std::vector<Index>& ascending, Index i) {
@@ -127,17 +129,59 @@ std::vector<std::vector<Index>> borders_of(const SurfaceMesh& surface,
   return borders;
 }
 
-void smooth_border(SurfaceMesh& surface, const std::vector<Index>& border) {
-  const std::size_t size = border.size();
-  std::vector<Vec3> smoothed(size);
-  for (int step = 0; step < kRimSteps; ++step) {
-    for (std::size_t i = 0; i < size; ++i) {
-      const auto at = [&](std::size_t k) -> const Vec3& {
-        return surface.position[border[(i + k) % size]];
-      };
-      smoothed[i] = at(0) + kRimWeight * (0.5 * (at(size - 1) + at(1)) - at(0));
+// A border that is being smoothed.
+class SmoothedBorder {
+ public:
+  SmoothedBorder(SurfaceMesh& surface, std::vector<Index> border) : vertices_(std::move(border)) {
+    for (const Index v : vertices_) before_.push_back(surface.position[v]);
+    const std::size_t size = vertices_.size();
+    std::vector<Vec3> smoothed(size);
+    for (int step = 0; step < kBorderSteps; ++step) {
+      for (std::size_t i = 0; i < size; ++i) {
+        const auto at = [&](std::size_t k) -> const Vec3& {
+          return surface.position[vertices_[(i + k) % size]];
+        };
+        smoothed[i] = at(0) + kBorderWeight * (0.5 * (at(size - 1) + at(1)) - at(0));
+      }
+      for (std::size_t i = 0; i < size; ++i) surface.position[vertices_[i]] = smoothed[i];
     }
-    for (std::size_t i = 0; i < size; ++i) surface.position[border[i]] = smoothed[i];
+  }
+
+  bool has_one_of(const std::vector<Index>& ascending) const {
+    return std::any_of(vertices_.begin(), vertices_.end(),
+                       [&](Index v) { return holds(ascending, v); });
+  }
+  void go_back(SurfaceMesh& surface) const {
+    for (std::size_t i = 0; i < vertices_.size(); ++i) surface.position[vertices_[i]] = before_[i];
+  }
+
+ private:
+  std::vector<Index> vertices_;
+  std::vector<Vec3> before_;
+};
+
+// Smooths the borders of what is left without these faces (ascending), but for those at which faces
+// would meet others.
+void smooth_borders(SurfaceMesh& surface, const std::vector<Index>& dropped, Progress& progress) {
+  std::vector<SmoothedBorder> borders;
+  for (std::vector<Index>& border : borders_of(surface, dropped))
+    if (border.size() >= kShortestBorder) borders.emplace_back(surface, std::move(border));
+  if (borders.empty()) return;
+  std::vector<Triangle> left;
+  for (Index f = 0; f < surface.face_slots(); ++f)
+    if (!holds(dropped, f)) left.push_back(surface.triangle(f));
+  while (!borders.empty()) {
+    std::vector<Index> corners;
+    for (const Index i : self_intersecting_faces(surface.position, left, progress))
+      corners.insert(corners.end(), left[i].begin(), left[i].end());
+    sort_unique(corners);
+    // Those that go back may free others, or leave others in their way.
+    const auto stay = std::stable_partition(
+        borders.begin(), borders.end(),
+        [&](const SmoothedBorder& border) { return !border.has_one_of(corners); });
+    if (stay == borders.end()) return;
+    for (auto border = stay; border != borders.end(); ++border) border->go_back(surface);
+    borders.erase(stay, borders.end());
   }
 }
 
@@ -195,8 +239,7 @@ SurfaceOpenings cut_surface_openings(SurfaceMesh& surface,
     result.report.stretched += membrane.is_stretched;
   }
   result.opening_faces = cut_openings(surface, faces_around(surface, open), 0, progress);
-  for (const std::vector<Index>& border : borders_of(surface, result.opening_faces))
-    if (border.size() >= kShortestBorder) smooth_border(surface, border);
+  smooth_borders(surface, result.opening_faces, progress);
   const std::vector<Index> spanning = faces_around(surface, spanned);
   std::set_union(spanning.begin(), spanning.end(), result.opening_faces.begin(),
                  result.opening_faces.end(), std::back_inserter(result.spanning_faces));
