@@ -366,5 +366,17 @@ TEST(SelfIntersection, CanBeCancelled) {
   EXPECT_THROW(self_intersections(mesh.position, mesh.triangles(), progress), Cancelled);
 }
 
+TEST(SelfIntersection, NewlyMeetingFacesAreOfNewPairs) {
+  KeptMeetings before, now;
+  before.pairs = {{0, 5}, {2, 3}};
+  before.faces = {0, 2, 3, 5};
+  now.pairs = {{0, 5}, {0, 7}, {8, 9}};
+  now.faces = {0, 5, 7, 8, 9};
+  EXPECT_EQ(newly_meeting_faces(before, now), (std::vector<Index>{0, 7, 8, 9}));
+  EXPECT_TRUE(newly_meeting_faces(now, now).empty());
+  before.has_all_pairs = false;  // then 0 7 may have been there
+  EXPECT_EQ(newly_meeting_faces(before, now), (std::vector<Index>{7, 8, 9}));
+}
+
 }  // namespace
 }  // namespace shrinkwrap

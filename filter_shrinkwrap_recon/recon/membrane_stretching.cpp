@@ -11,12 +11,10 @@
 #include <queue>
 #include <utility>
 
-#include "box_tree.h"
 #include "face_patches.h"
 #include "harmonic_surface.h"
 #include "self_intersection.h"
 #include "sort_unique.h"
-#include "triangle_pair.h"
 
 namespace shrinkwrap {
 namespace {
@@ -29,9 +27,8 @@ constexpr double kMostMeeting = 0.2;
 // for a neck too.
 constexpr double kSqueezed = 0.55, kMostSqueezed = 0.25;
 constexpr double kLeastShare = 0.25;  // of the way; less is none
-constexpr double kSteepest = 1.0;  // of what holds vertices back, over the way along the membrane
+constexpr double kSteepest = 1.0;  // of how far vertices have gone, over the distance between them
 constexpr int kMostRounds = 16;    // of either kind of going back
-constexpr std::size_t kMostPairs = 1280;  // of each cluster of 64 faces: all, but of a heap
 
 using Corners = std::array<Vec3, 3>;
 
@@ -80,21 +77,6 @@ std::vector<double> seen_areas(const SurfaceMesh& surface, const MeshComponents&
     for (const Index f : faces_around(surface, membrane.vertices))
       area[body_of(f)] -= surface.area_vector(f).norm();
   return area;
-}
-
-using Pairs = std::vector<std::pair<Index, Index>>;
-
-KeptMeetings faces_that_meet(const SurfaceMesh& surface, const std::vector<Triangle>& triangles,
-                             Progress& progress) {
-  const BoxTree tree(surface.position, triangles, progress);
-  return keep_meetings(tree, TrianglePairs(surface.position), triangles, kMostPairs, progress);
-}
-
-std::vector<Index> corners_of(const SurfaceMesh& surface, const Pairs& pairs) {
-  std::vector<Index> faces;
-  for (const auto& [f, g] : pairs) faces.insert(faces.end(), {f, g});
-  sort_unique(faces);
-  return corners_of(surface, faces);
 }
 
 // A membrane with the vertices around it, as places among all that move.
@@ -230,8 +212,8 @@ class Stretching {
     return squeezed > kMostSqueezed * all;
   }
 
-  // Lowers shares so that between neighbours of these places, and on from there, what a vertex is
-  // held back by grows no faster than the distance from its neighbour, times kSteepest.
+  // Lowers shares so that from these places on no vertex has gone farther than its neighbour by
+  // more than the distance between them, times kSteepest.
   void fall_off(const std::vector<Index>& places) {
     using Entry = std::pair<double, Index>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
@@ -245,7 +227,7 @@ class Stretching {
         if (j == static_cast<Index>(moved_.size()) || moved_[j] != surface_.target(h)) return;
         const double way = (after_[j] - before_[j]).norm();
         const double most = share * way + kSteepest * (after_[j] - after_[i]).norm();
-        if (share_[j] * way <= most) return;
+        if (!(share_[j] * way > most)) return;
         share_[j] = most / way;
         queue.push({share_[j], j});
       });
@@ -275,19 +257,17 @@ void stretch_membranes(SurfaceMesh& surface, std::vector<SurfaceMembrane>& membr
   Stretching stretching(surface, membranes, progress);
   if (stretching.is_empty()) return;
   const std::vector<Triangle> triangles = surface.triangles();
-  const KeptMeetings before = faces_that_meet(surface, triangles, progress);
+  const KeptMeetings before = keep_meetings(surface.position, triangles, progress);
   if (static_cast<double>(before.faces.size()) > kMostMeeting * surface.face_count()) return;
   stretching.set_out(progress);
   for (int round = 0;; ++round) {
-    const Pairs now = faces_that_meet(surface, triangles, progress).pairs;
-    Pairs added;
-    std::set_difference(now.begin(), now.end(), before.pairs.begin(), before.pairs.end(),
-                        std::back_inserter(added));
+    const std::vector<Index> meeting =
+        newly_meeting_faces(before, keep_meetings(surface.position, triangles, progress));
     if (round == 2 * kMostRounds) {
-      if (!added.empty()) stretching.go_back_all_the_way();
+      if (!meeting.empty()) stretching.go_back_all_the_way();
       break;
     }
-    if (!stretching.go_back(corners_of(surface, added), round >= kMostRounds)) break;
+    if (!stretching.go_back(corners_of(surface, meeting), round >= kMostRounds)) break;
   }
   stretching.tell();
 }

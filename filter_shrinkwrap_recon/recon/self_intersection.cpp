@@ -2,15 +2,18 @@
 
 #include <algorithm>
 #include <atomic>
+#include <iterator>
 #include <limits>
 
 #include "parallel.h"
+#include "sort_unique.h"
 
 namespace shrinkwrap {
 namespace {
 
-constexpr Index kClusterGrain = 8;              // a block takes about a millisecond
-constexpr std::size_t kPollInterval = 1 << 12;  // in pairs of boxes: a heap may have millions
+constexpr Index kClusterGrain = 8;               // a block takes about a millisecond
+constexpr std::size_t kMostOfSurface = 64 * 20;  // of a cluster: 20 a face
+constexpr std::size_t kPollInterval = 1 << 12;   // in pairs of boxes: a heap may have millions
 
 using Pair = std::pair<Index, Index>;
 
@@ -77,6 +80,27 @@ KeptMeetings keep_meetings(const BoxTree& tree, const TrianglePairs& test,
   kept.faces = meets.faces();
   kept.has_all_pairs = has_all.load();
   return kept;
+}
+
+KeptMeetings keep_meetings(const std::vector<Vec3>& positions,
+                           const std::vector<Triangle>& triangles, Progress& progress) {
+  const BoxTree tree(positions, triangles, progress);
+  return keep_meetings(tree, TrianglePairs(positions), triangles, kMostOfSurface, progress);
+}
+
+std::vector<Index> newly_meeting_faces(const KeptMeetings& before, const KeptMeetings& now) {
+  std::vector<Index> faces;
+  if (!before.has_all_pairs || !now.has_all_pairs) {
+    std::set_difference(now.faces.begin(), now.faces.end(), before.faces.begin(),
+                        before.faces.end(), std::back_inserter(faces));
+    return faces;
+  }
+  std::vector<std::pair<Index, Index>> pairs;
+  std::set_difference(now.pairs.begin(), now.pairs.end(), before.pairs.begin(), before.pairs.end(),
+                      std::back_inserter(pairs));
+  for (const auto& [f, g] : pairs) faces.insert(faces.end(), {f, g});
+  sort_unique(faces);
+  return faces;
 }
 
 std::vector<Index> self_intersecting_faces(const std::vector<Vec3>& positions,

@@ -40,6 +40,14 @@ KeptMeetings keep_meetings(const BoxTree& tree, const TrianglePairs& test,
                            const std::vector<Triangle>& triangles, std::size_t most_per_cluster,
                            Progress& progress);
 
+/// The same with a tree made here, and a bound that no surface reaches.
+KeptMeetings keep_meetings(const std::vector<Vec3>& positions,
+                           const std::vector<Triangle>& triangles, Progress& progress);
+
+/// The faces, ascending, of pairs that are there now and were not before. If either lacks pairs:
+/// those that meet others now and met none before.
+std::vector<Index> newly_meeting_faces(const KeptMeetings& before, const KeptMeetings& now);
+
 /// The faces of such pairs, ascending, straight from the mesh: memory O(F) however many pairs there
 /// are, and pairs of faces that are known already are not tested.
 std::vector<Index> self_intersecting_faces(const std::vector<Vec3>& positions,

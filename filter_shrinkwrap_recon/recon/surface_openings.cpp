@@ -132,8 +132,12 @@ std::vector<std::vector<Index>> borders_of(const SurfaceMesh& surface,
 // A border that is being smoothed.
 class SmoothedBorder {
  public:
-  SmoothedBorder(SurfaceMesh& surface, std::vector<Index> border) : vertices_(std::move(border)) {
+  SmoothedBorder(const SurfaceMesh& surface, std::vector<Index> border)
+      : vertices_(std::move(border)) {
     for (const Index v : vertices_) before_.push_back(surface.position[v]);
+  }
+
+  void smooth(SurfaceMesh& surface) const {
     const std::size_t size = vertices_.size();
     std::vector<Vec3> smoothed(size);
     for (int step = 0; step < kBorderSteps; ++step) {
@@ -161,7 +165,8 @@ class SmoothedBorder {
 };
 
 // Smooths the borders of what is left without these faces (ascending), but for those at which faces
-// would meet others.
+// would meet others that they did not meet before. As many searches for these as borders in their
+// way, and two.
 void smooth_borders(SurfaceMesh& surface, const std::vector<Index>& dropped, Progress& progress) {
   std::vector<SmoothedBorder> borders;
   for (std::vector<Index>& border : borders_of(surface, dropped))
@@ -170,9 +175,12 @@ void smooth_borders(SurfaceMesh& surface, const std::vector<Index>& dropped, Pro
   std::vector<Triangle> left;
   for (Index f = 0; f < surface.face_slots(); ++f)
     if (!holds(dropped, f)) left.push_back(surface.triangle(f));
+  const KeptMeetings before = keep_meetings(surface.position, left, progress);
+  for (const SmoothedBorder& border : borders) border.smooth(surface);
   while (!borders.empty()) {
     std::vector<Index> corners;
-    for (const Index i : self_intersecting_faces(surface.position, left, progress))
+    for (const Index i :
+         newly_meeting_faces(before, keep_meetings(surface.position, left, progress)))
       corners.insert(corners.end(), left[i].begin(), left[i].end());
     sort_unique(corners);
     // Those that go back may free others, or leave others in their way.

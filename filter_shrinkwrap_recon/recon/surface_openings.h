@@ -40,7 +40,7 @@ struct SurfaceOpenings {
   OpeningsReport report;
 };
 /// Chooses the faces to be dropped (cut_openings), and smooths the borders that they leave if these
-/// are no shorter than 16 edges and no face there would meet another: their vertices move.
+/// are no shorter than 16 edges and no faces there would meet others for it: their vertices move.
 SurfaceOpenings cut_surface_openings(SurfaceMesh& surface,
                                      const std::vector<SurfaceMembrane>& membranes,
                                      Progress& progress);
