@@ -212,8 +212,8 @@ class Stretching {
     return squeezed > kMostSqueezed * all;
   }
 
-  // Lowers shares so that from these places on no vertex has gone farther than its neighbour by
-  // more than the distance between them, times kSteepest.
+  // Lowers shares so that from these places on no vertex goes farther than its neighbour's share of
+  // its way by more than the distance between the two, times kSteepest.
   void fall_off(const std::vector<Index>& places) {
     using Entry = std::pair<double, Index>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;

@@ -13,9 +13,9 @@ namespace shrinkwrap {
 /// rims that are smoothed a little, and sets `is_stretched`: the initial mesh had them bulge, and
 /// fitting knows nothing of them. Where faces would then meet others that they did not meet before,
 /// vertices go back half of the way, twice, and at last all of it, and those around them so far
-/// that no two neighbours have gone ways more different in length than they are distant. A membrane
-/// that meets others even then goes back as a whole. So does one of more area than what was seen of
-/// its body, as its other side, which would become a shell right behind what was seen.
+/// that none goes farther than its neighbour's share of its way by more than the two are distant. A
+/// membrane that meets others even then goes back as a whole. So does one of more area than what
+/// was seen of its body, as its other side, which would become a shell right behind what was seen.
 ///
 /// A membrane that is no disc stays as it is if it would become a thin neck, or is such an other
 /// side. All do if a fifth of the faces meet others anyway. The result does not depend on the order
