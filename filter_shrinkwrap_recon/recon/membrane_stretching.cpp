@@ -32,10 +32,6 @@ constexpr int kMostRounds = 16;    // of either kind of going back
 
 using Corners = std::array<Vec3, 3>;
 
-bool holds(const std::vector<Index>& ascending, Index i) {
-  return std::binary_search(ascending.begin(), ascending.end(), i);
-}
-
 // Of the linear map from a triangle to another: the least stretch over the greatest, 0 to 1. (The
 // squares of both are the eigenvalues of the map's metric.) 1 if the first has no area.
 double likeness_of_stretches(const Corners& from, const Corners& to) {

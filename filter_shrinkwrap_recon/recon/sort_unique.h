@@ -13,4 +13,10 @@ void sort_unique(std::vector<T>& values) {
   values.erase(std::unique(values.begin(), values.end()), values.end());
 }
 
+/// Whether the values, ascending, hold this one. O(log n).
+template <class T>
+bool holds(const std::vector<T>& ascending, const T& value) {
+  return std::binary_search(ascending.begin(), ascending.end(), value);
+}
+
 }  // namespace shrinkwrap

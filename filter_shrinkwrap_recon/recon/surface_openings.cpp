@@ -22,10 +22,6 @@ constexpr int kBorderSteps = 5;
 constexpr double kBorderWeight = 0.5;  // of the neighbours along the border, in a step
 constexpr std::size_t kShortestBorder = 16;
 
-bool holds(const std::vector<Index>& ascending, Index i) {
-  return std::binary_search(ascending.begin(), ascending.end(), i);
-}
-
 // Where the samples are, seen from the vertices of membranes.
 struct Nearest {
   std::vector<float> distance, spacing;  // per vertex: of the nearest sample
