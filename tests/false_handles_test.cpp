@@ -162,7 +162,7 @@ TEST(FalseHandles, MouthsOfCavitiesAreClosed) {
     return std::max(p.norm() - 0.9, 0.45 - (p - Vec3(0.37, 0.0, 0.0)).norm());
   };
   Index joined = 0, parted = 0;
-  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+  for (unsigned seed = 1; seed <= 4 * kSeeds; ++seed) {  // less than half have one
     Random random(seed);
     const PointCloud cloud =
         cloud_with_askew_normals(sample_implicit(hollow, {}, 1000, random).points, 1);

@@ -258,6 +258,8 @@ TEST(Orientation, CoarseViewsDoNotTurnTheInsideOfACup) {
   OrientationOptions options;
   options.propagation_samples = 2000;
   EXPECT_LT(count_wrong(options), 100);
+  options.disputes.most_objections = 1e9;
+  EXPECT_LT(count_wrong(options), 100);
   options.judging_samples = 2000;
   EXPECT_GT(count_wrong(options), 5000);
 }
@@ -274,7 +276,7 @@ TEST(Orientation, ASheetOfHillsAndValleysHasOneSide) {
       points.push_back({x, y, 0.6 * (zigzag(x) + zigzag(y))});
     }
   OrientationOptions by_views;
-  by_views.signs.vote_weight = by_views.judging_weight = 1e6;
+  by_views.signs.vote_weight = by_views.disputes.vote_weight = 1e6;
   for (const OrientationOptions& options : {OrientationOptions(), by_views}) {
     PointCloud cloud = prepared_cloud(points);
     Progress silent;

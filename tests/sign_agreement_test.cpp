@@ -50,7 +50,6 @@ class SignAgreement : public ::testing::Test {
     for (const Vec3f& normal : cloud_.normal) flipped.push_back(normal.z() < 0.0f);
     return flipped;
   }
-  std::vector<Index> one_component() const { return std::vector<Index>(cloud_.position.size(), 0); }
 
   static constexpr int kWidth = 30;
   Progress silent_;
@@ -99,29 +98,16 @@ TEST_F(SignAgreement, SamplesMayOpposeTheirPatch) {
   EXPECT_GT(result[1], 0.0f);
 }
 
-TEST_F(SignAgreement, CountsTheEdgesThatAreContradicted) {
-  std::vector<char> flipped = upward();
-  EXPECT_EQ(edges_against(graph(), one_component(), 1, flipped, silent_)[0], 0.0);
-  constexpr Index kTurned = 450;
-  flipped[kTurned] = !flipped[kTurned];
-  int edges = 0;
-  for (Index i = 0; i < cloud_.size(); ++i)
-    graph().for_each_edge_of(i, [&](Index j) { edges += i == kTurned || j == kTurned; });
-  ASSERT_GE(edges, 6);
-  EXPECT_NEAR(edges_against(graph(), one_component(), 1, flipped, silent_)[0], edges, 1e-3);
-}
-
-TEST_F(SignAgreement, CountsTheFewerOfTheViews) {
+TEST_F(SignAgreement, SamplesDrawnSpeakForAll) {
   see(1, 0.5);
   see(2, 0.5);
-  see(3, -0.4);
-  see(4, -0.05);  // nothing to speak of
-  const double of_one = 2.0 * cloud_.size() / 4;
-  const std::vector<char> up = upward();
-  std::vector<char> down = up;
-  for (char& flipped : down) flipped = !flipped;
-  EXPECT_NEAR(votes_against(votes_, one_component(), 1, up, 2.0, 0.15)[0], 0.4 * of_one, 1e-9);
-  EXPECT_NEAR(votes_against(votes_, one_component(), 1, down, 2.0, 0.15)[0], 0.4 * of_one, 1e-9);
+  EXPECT_EQ(votes_.weight_of_one(3.0, 100), 150.0);
+  EXPECT_EQ(SampleVotes().weight_of_one(3.0, 100), 300.0);
+}
+
+TEST_F(SignAgreement, EdgesInDoubtCountForLittle) {
+  EXPECT_EQ(edge_weight(1.0), 1.0);
+  EXPECT_EQ(edge_weight(-0.5), -0.0625);
 }
 
 TEST(SignMatrix, MultipliesAsItsEdgesSay) {

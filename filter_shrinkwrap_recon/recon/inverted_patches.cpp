@@ -118,10 +118,9 @@ double InvertedPatches::objections(const std::vector<Index>& samples) const {
                         for (Index k = begin; k < end; ++k) {
                           const Index a = samples[k];
                           graph_.for_each_neighbour_of(a, [&](Index b) {
-                            const double agreement = graph_.agreement(a, b);
-                            const double squared = agreement * agreement;
-                            if ((agreement < 0.0) != (turned_[a] != turned_[b]))
-                              sum += squared * squared;
+                            const double weight = edge_weight(graph_.agreement(a, b));
+                            if ((weight < 0.0) != (turned_[a] != turned_[b]))
+                              sum += std::abs(weight);
                           });
                         }
                         return sum;

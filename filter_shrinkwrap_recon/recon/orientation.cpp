@@ -43,38 +43,24 @@ SampleVotes draw_samples(const PointCloud& cloud, const OrientationOptions& opti
   return samples;
 }
 
-// Takes the signs that neighbours and views agreed upon for the components in which less goes
-// against them than against those of the spanning tree, by all edges and by drawings so fine that
-// no wall is seen through. These are not made if the coarser ones are against it already.
+// Takes the signs that neighbours and views agreed upon where less goes against them than against
+// those of the spanning forest, by drawings so fine that no wall is seen through. These are not
+// made if the coarser ones are against all of it already.
 void follow_agreement(const PointCloud& cloud, const NeighbourGraph& graph,
                       const OrientationOptions& options, const SampleVotes& votes,
                       SpanningForest& forest, Progress& progress) {
-  const auto edges = [&](const std::vector<char>& flipped) {
-    return edges_against(graph, forest.component_of_sample, forest.components, flipped, progress);
+  const DisputedSigns disputed(graph, forest, progress);
+  const auto find_turned = [&](const SampleVotes& judges) {
+    return disputed.find_turned(judges, options.signs.least_majority, options.disputes);
   };
-  const std::vector<double> edges_of_tree = edges(forest.flipped),
-                            edges_of_agreement = edges(forest.flipped_as_agreed);
-  const auto is_better = [&](SampleVotes judges) {
-    judges.weigh_by_trust(forest.component_of_sample, forest.components);
-    const auto views = [&](const std::vector<char>& flipped) {
-      return votes_against(judges, forest.component_of_sample, forest.components, flipped,
-                           options.judging_weight, options.signs.least_majority);
-    };
-    const std::vector<double> views_of_tree = views(forest.flipped),
-                              views_of_agreement = views(forest.flipped_as_agreed);
-    std::vector<char> better(views_of_tree.size());
-    for (std::size_t c = 0; c < better.size(); ++c)
-      better[c] =
-          edges_of_agreement[c] + views_of_agreement[c] < edges_of_tree[c] + views_of_tree[c];
-    return better;
-  };
-  std::vector<char> better = is_better(votes);
-  if (std::find(better.begin(), better.end(), 1) == better.end()) return;
+  std::vector<char> turned = find_turned(votes);
+  if (std::find(turned.begin(), turned.end(), 1) == turned.end()) return;
   if (votes.drawn.size() < cloud.position.size())
-    better = is_better(draw_samples(cloud, options, options.judging_samples,
-                                    options.judging_directions, progress));
+    turned = find_turned(draw_samples(cloud, options, options.judging_samples,
+                                      options.judging_directions, progress));
   for (Index i = 0; i < cloud.size(); ++i)
-    if (better[forest.component_of_sample[i]]) forest.flipped[i] = forest.flipped_as_agreed[i];
+    if (disputed.set_of(i) != kNone && turned[disputed.set_of(i)])
+      forest.flipped[i] = !forest.flipped[i];
 }
 
 // Chooses a sign for every component, layer by layer from outside.

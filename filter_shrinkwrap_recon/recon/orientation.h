@@ -3,6 +3,7 @@
 #pragma once
 
 #include "crease_planes.h"
+#include "disputed_signs.h"
 #include "inverted_patches.h"
 #include "point_cloud.h"
 #include "pole_normals.h"
@@ -26,10 +27,10 @@ struct OrientationOptions {
       64000;                        ///< drawn, at most, for the views that have a say in signs ...
   Index judging_samples = 2000000;  ///< ... and for those that judge what came of it, from
   int judging_directions = 24;      ///< so many directions
-  double judging_weight = 3.0;      ///< of their votes: see `votes_against`
   StationOptions station;
   PoleNormalOptions poles;
   SignOptions signs;
+  DisputeOptions disputes;
   InvertedPatchOptions inverted;
   CreasePlaneOptions creases;
   double most_noise_at_creases = 0.06;  ///< of clouds with more (NeighbourGraph::noise) the planes
@@ -51,8 +52,8 @@ struct OrientationReport {
 /// Gives the normals of the cloud a consistent outward sign. Before that, those of thin parts
 /// become the ways to the poles of their samples (pole_normals.h). Signs are found along the
 /// spanning tree of the surest edges (Hoppe et al. 1992, with another measure of sureness:
-/// neighbour_graph.h), or, where less goes against them, the signs on which all edges and views
-/// agree best (sign_agreement.h). Where all was seen from the origin of the input, as one view of a
+/// neighbour_graph.h), and set by set, where less goes against them, those on which all edges and
+/// views agree best (sign_agreement.h, disputed_signs.h). Where all was seen from the origin of the input, as one view of a
 /// depth camera is (station.h), each connected component of the graph then faces it on the whole,
 /// and each sample that is seen steeply. Else one sign per component comes from visibility: the
 /// side that more orthographic views see is outside. Components that nobody sees, or that are seen

@@ -14,17 +14,6 @@ constexpr double kTolerance = 1e-4;  // residual, relative to the right-hand sid
 constexpr int kMostIterations = 300;
 constexpr double kLeastDiagonal = 1e-9;  // of a patch that neither edges nor views tell about
 
-// Of an agreement: its fourth power, with its sign.
-double edge_weight(double agreement) {
-  return agreement * agreement * agreement * std::abs(agreement);
-}
-
-// Of one sample drawn: those drawn speak for all.
-double weight_of_vote(double vote_weight, std::size_t samples, const SampleVotes& votes) {
-  const std::size_t drawn = std::max<std::size_t>(votes.drawn.size(), 1);
-  return vote_weight * static_cast<double>(samples) / static_cast<double>(drawn);
-}
-
 std::vector<SignEdge> edges_between(const NeighbourGraph& graph, const SignedPatches& patches,
                                     Progress& progress) {
   return parallel_collect<SignEdge>(
@@ -55,12 +44,17 @@ void SampleVotes::weigh_by_trust(const std::vector<Index>& component_of_sample, 
     votes[k].outward *= sums[component_of_sample[drawn[k]]].trust();
 }
 
+double SampleVotes::weight_of_one(double vote_weight, std::size_t samples) const {
+  return vote_weight * static_cast<double>(samples) /
+         static_cast<double>(std::max<std::size_t>(drawn.size(), 1));
+}
+
 std::vector<float> agreed_signs(const NeighbourGraph& graph, const SignedPatches& patches,
                                 const SampleVotes& votes, double vote_weight, Progress& progress) {
   const Eigen::Index size = patches.count;
   Eigen::VectorXd diagonal = Eigen::VectorXd::Constant(size, kLeastDiagonal),
                   wanted = Eigen::VectorXd::Zero(size);
-  const double weight = weight_of_vote(vote_weight, patches.patch_of_sample.size(), votes);
+  const double weight = votes.weight_of_one(vote_weight, patches.patch_of_sample.size());
   for (std::size_t k = 0; k < votes.drawn.size(); ++k) {
     const Index i = votes.drawn[k], patch = patches.patch_of_sample[i];
     const double majority = votes.votes[k].majority();
@@ -78,45 +72,6 @@ std::vector<float> agreed_signs(const NeighbourGraph& graph, const SignedPatches
   for (Index patch = 0; patch < patches.count; ++patch)
     result[patch] = std::isfinite(sign[patch]) ? static_cast<float>(sign[patch]) : 0.0f;
   return result;
-}
-
-std::vector<double> edges_against(const NeighbourGraph& graph,
-                                  const std::vector<Index>& component_of_sample, Index components,
-                                  const std::vector<char>& flipped, Progress& progress) {
-  struct Contradiction {
-    Index component;
-    double weight;
-  };
-  const auto contradictions = parallel_collect<Contradiction>(
-      graph.sample_count(), kGrain, progress,
-      [&](Index begin, Index end, std::vector<Contradiction>& found) {
-        for (Index i = begin; i < end; ++i)
-          graph.for_each_edge_of(i, [&](Index j) {
-            const double weight = edge_weight(graph.agreement(i, j));
-            if ((weight < 0.0) != (flipped[i] != flipped[j]))
-              found.push_back({component_of_sample[i], std::abs(weight)});
-          });
-      });
-  std::vector<double> sum(static_cast<std::size_t>(components), 0.0);
-  for (const Contradiction& edge : contradictions) sum[edge.component] += edge.weight;
-  return sum;
-}
-
-std::vector<double> votes_against(const SampleVotes& votes,
-                                  const std::vector<Index>& component_of_sample, Index components,
-                                  const std::vector<char>& flipped, double vote_weight,
-                                  double least_majority) {
-  const double weight = weight_of_vote(vote_weight, component_of_sample.size(), votes);
-  std::vector<double> behind(static_cast<std::size_t>(components), 0.0), before = behind;
-  for (std::size_t k = 0; k < votes.drawn.size(); ++k) {
-    const Index i = votes.drawn[k];
-    const double majority = votes.votes[k].majority();
-    if (std::abs(majority) < least_majority) continue;
-    ((majority < 0.0) != (flipped[i] != 0) ? behind : before)[component_of_sample[i]] +=
-        weight * std::abs(majority);
-  }
-  for (std::size_t c = 0; c < behind.size(); ++c) behind[c] = std::min(behind[c], before[c]);
-  return behind;
 }
 
 }  // namespace shrinkwrap

@@ -1,6 +1,7 @@
 // Signs of normals that all neighbours and all views together agree upon best.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "neighbour_graph.h"
@@ -17,6 +18,8 @@ struct SampleVotes {
                                            Index components) const;
   /// The votes count as far as those on their components are to be trusted.
   void weigh_by_trust(const std::vector<Index>& component_of_sample, Index components);
+  /// Of the vote on one of those drawn, which speak for so many samples.
+  double weight_of_one(double vote_weight, std::size_t samples) const;
 };
 
 /// Parts of a cloud, each with one sign to be chosen.
@@ -25,6 +28,12 @@ struct SignedPatches {
   std::vector<char> flipped;  ///< per sample: whether its normal opposes that of its patch
   Index count = 0;
 };
+
+/// How much an edge between neighbours counts (NeighbourGraph::agreement): |a|^4, with the sign of
+/// a. Those in doubt count for little.
+inline double edge_weight(double agreement) {
+  return agreement * agreement * agreement * std::abs(agreement);
+}
 
 /// For each patch the sign x in [-1, 1] that minimises, over all edges between neighbours and all
 /// samples,
@@ -36,18 +45,5 @@ struct SignedPatches {
 /// conjugate gradients; the same for any number of threads.
 std::vector<float> agreed_signs(const NeighbourGraph& graph, const SignedPatches& patches,
                                 const SampleVotes& votes, double vote_weight, Progress& progress);
-
-/// For each component, the |a_ij|^4 of the edges whose ends do not look to the same side once the
-/// normals of the samples in `flipped` are turned. O(N).
-std::vector<double> edges_against(const NeighbourGraph& graph,
-                                  const std::vector<Index>& component_of_sample, Index components,
-                                  const std::vector<char>& flipped, Progress& progress);
-
-/// For each component, vote_weight |v_i| of the samples that are then seen from behind (or before,
-/// if those are fewer) by a majority |v_i| of at least `least_majority`. O(N).
-std::vector<double> votes_against(const SampleVotes& votes,
-                                  const std::vector<Index>& component_of_sample, Index components,
-                                  const std::vector<char>& flipped, double vote_weight,
-                                  double least_majority);
 
 }  // namespace shrinkwrap
