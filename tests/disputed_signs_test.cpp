@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -94,6 +95,28 @@ TEST_F(DisputedSignsTest, SetsOfTwoComponentsAreTwo) {
   for (Index i = 0; i < cloud_.size(); ++i)
     forest_.component_of_sample[i] = cloud_.input_index[i] / kWidth >= 14;
   EXPECT_EQ(disputed().count(), 2);
+  // One of them is opposite as a whole: that is the smaller one, so that more samples are alike.
+  for (Index i = 0; i < cloud_.size(); ++i)
+    if (forest_.component_of_sample[i] == 0)
+      forest_.flipped_as_agreed[i] = !forest_.flipped_as_agreed[i];
+  EXPECT_EQ(disputed().count(), 2);
+  EXPECT_NE(disputed().set_of(left[0]), kNone);
+}
+
+// All edges within its component are for what the forest says of a set, those to another one,
+// which looks down, are against it.
+TEST_F(DisputedSignsTest, EdgesToAnotherComponentDoNotCount) {
+  forest_.components = 2;
+  for (Index i = 0; i < cloud_.size(); ++i) {
+    const Index x = cloud_.input_index[i] / kWidth;
+    forest_.component_of_sample[i] = x >= 14;
+    forest_.flipped[i] = x < 14;
+    forest_.flipped_as_agreed[i] = x <= 14;
+  }
+  EXPECT_EQ(find_turned(SampleVotes()), std::vector<char>({0}));
+  DisputeOptions bold;
+  bold.least_border = 1e9;
+  EXPECT_EQ(find_turned(SampleVotes(), bold), std::vector<char>({0}));
 }
 
 TEST_F(DisputedSignsTest, EdgesTurnWhatContradictsThem) {
@@ -101,14 +124,120 @@ TEST_F(DisputedSignsTest, EdgesTurnWhatContradictsThem) {
   EXPECT_EQ(find_turned(SampleVotes()), std::vector<char>({1}));
 }
 
-// Each is judged by itself: one is wrong in the forest, the other one is right.
+// One is wrong in the forest, the other one is right.
 TEST_F(DisputedSignsTest, SetsAreSettledOneByOne) {
+  for (const bool is_first_wrong : {true, false}) {
+    SCOPED_TRACE(is_first_wrong);
+    SetUp();
+    const std::vector<Index> one = square(3, 3, 8), other = square(18, 18, 8);
+    turn(forest_.flipped, is_first_wrong ? one : other);
+    turn(forest_.flipped_as_agreed, is_first_wrong ? other : one);
+    const DisputedSigns sets = disputed();
+    const std::vector<char> turned = sets.find_turned(views({}), 0.15, DisputeOptions());
+    ASSERT_EQ(turned.size(), 2u);
+    EXPECT_EQ(turned[sets.set_of(one[0])], is_first_wrong);
+    EXPECT_EQ(turned[sets.set_of(other[0])], !is_first_wrong);
+  }
+}
+
+// Of two sets alike, one is seen from below and the other one from above. Of two components one is
+// seen from below on the whole.
+TEST_F(DisputedSignsTest, ViewsOfOneSetDoNotTellOfAnother) {
+  const std::vector<Index> one = square(3, 3, 8), other = square(18, 18, 8);
+  turn(forest_.flipped_as_agreed, one);
+  turn(forest_.flipped_as_agreed, other);
+  DisputeOptions bold;
+  bold.vote_weight = 1e6;
+  bold.least_border = 1e9;
+  for (const bool are_two : {false, true}) {
+    SCOPED_TRACE(are_two);
+    SampleVotes votes = views(one);
+    if (are_two) {
+      forest_.components = 2;
+      for (Index i = 0; i < cloud_.size(); ++i) {
+        const bool is_second = cloud_.input_index[i] / kWidth >= 15;
+        forest_.component_of_sample[i] = is_second;
+        if (is_second) votes.votes[i].outward = -votes.votes[i].outward;
+      }
+    }
+    const DisputedSigns sets = disputed();
+    const std::vector<char> turned = sets.find_turned(votes, 0.15, bold);
+    ASSERT_EQ(turned.size(), 2u);
+    EXPECT_TRUE(turned[sets.set_of(one[0])]);
+    EXPECT_FALSE(turned[sets.set_of(other[0])]);
+  }
+}
+
+// Where the undisputed rest is seen from nowhere, it can as well be turned instead.
+TEST_F(DisputedSignsTest, ViewsOfASetAloneDoNotTurnIt) {
+  const std::vector<Index> set = square(8, 8, 12);
+  turn(forest_.flipped_as_agreed, set);
+  turn(forest_.flipped, square(8, 8, 2));  // some edges are against it
+  turn(forest_.flipped_as_agreed, square(8, 8, 2));
+  SampleVotes votes = views(set), of_set;
+  for (const Index i : set) {
+    of_set.drawn.push_back(i);
+    of_set.votes.push_back(votes.votes[i]);
+  }
+  DisputeOptions bold;
+  bold.vote_weight = 1e3;
+  bold.least_border = 1e9;
+  const DisputedSigns sets = disputed();
+  const Index main_set = sets.set_of(square(15, 15, 1)[0]);
+  EXPECT_TRUE(sets.find_turned(votes, 0.15, bold)[main_set]);
+  EXPECT_FALSE(sets.find_turned(of_set, 0.15, bold)[main_set]);
+}
+
+// The forest has a set wrong, by all edges; views hold against them what they weigh, with half of
+// the samples drawn as with all.
+TEST_F(DisputedSignsTest, ViewsMayOutweighEdges) {
+  const std::vector<Index> set = square(8, 8, 12);
+  turn(forest_.flipped, set);
+  double edges = 0.0;
+  for (Index i = 0; i < cloud_.size(); ++i)
+    graph_->for_each_edge_of(i,
+                             [&](Index j) { edges += forest_.flipped[i] != forest_.flipped[j]; });
+  const SampleVotes all = views(set);
+  for (const bool are_all_drawn : {true, false}) {
+    SCOPED_TRACE(are_all_drawn);
+    SampleVotes votes;
+    double majorities = 0.0;
+    for (Index i = 0; i < cloud_.size(); ++i) {
+      const bool is_in_set = std::find(set.begin(), set.end(), i) != set.end();
+      if (!are_all_drawn && !is_in_set && i % 4 != 0) continue;
+      votes.drawn.push_back(i);
+      votes.votes.push_back(all.votes[i]);
+      if (is_in_set) majorities += 0.5;
+    }
+    const double balance =
+        edges / (majorities * cloud_.size() / static_cast<double>(votes.drawn.size()));
+    DisputeOptions options;
+    options.preference = 1.0;
+    options.vote_weight = 0.98 * balance;
+    EXPECT_EQ(find_turned(votes, options), std::vector<char>({1}));
+    options.vote_weight = 1.02 * balance;
+    EXPECT_EQ(find_turned(votes, options), std::vector<char>({0}));
+  }
+}
+
+// It does not matter how the normals looked before the forest turned them.
+TEST_F(DisputedSignsTest, NormalsMayHaveAnySigns) {
   const std::vector<Index> wrong = square(3, 3, 8), right = square(18, 18, 8);
   turn(forest_.flipped, wrong);
   turn(forest_.flipped_as_agreed, right);
+  SampleVotes votes = views(wrong);
+  for (const Index i : wrong) votes.votes[i] = votes.votes[i].turned();
+  Random random(1);
+  for (Index i = 0; i < cloud_.size(); ++i)
+    if (random.uniform() < 0.5) {
+      cloud_.normal[i] = -cloud_.normal[i];
+      turn(forest_.flipped, {i});
+      turn(forest_.flipped_as_agreed, {i});
+      votes.votes[i] = votes.votes[i].turned();
+    }
   const DisputedSigns sets = disputed();
-  const std::vector<char> turned = sets.find_turned(views({}), 0.15, DisputeOptions());
-  ASSERT_EQ(turned.size(), 2u);
+  ASSERT_EQ(sets.count(), 2);
+  const std::vector<char> turned = sets.find_turned(votes, 0.15, DisputeOptions());
   EXPECT_TRUE(turned[sets.set_of(wrong[0])]);
   EXPECT_FALSE(turned[sets.set_of(right[0])]);
 }
@@ -133,6 +262,22 @@ TEST_F(DisputedSignsTest, ViewsTurnNothingAgainstNearlyAllEdges) {
     EXPECT_EQ(find_turned(votes, bold), std::vector<char>({1}));
     turn(forest_.flipped, square(8, 8, 1));
   }
+}
+
+// However sure its few edges are: the root of its samples tells how long its border is at least.
+TEST_F(DisputedSignsTest, ViewsTellOfSetsThatOnlyTouchTheRest) {
+  const std::vector<Index> below = square(8, 8, 12);
+  turn(forest_.flipped_as_agreed, below);
+  double edges = 0.0;
+  for (Index i = 0; i < cloud_.size(); ++i)
+    graph_->for_each_edge_of(
+        i, [&](Index j) { edges += forest_.flipped_as_agreed[i] != forest_.flipped_as_agreed[j]; });
+  DisputeOptions options;
+  options.vote_weight = 1e6;
+  options.least_border = 0.98 * edges / 12.0;
+  EXPECT_EQ(find_turned(views(below), options), std::vector<char>({0}));
+  options.least_border = 1.02 * edges / 12.0;
+  EXPECT_EQ(find_turned(views(below), options), std::vector<char>({1}));
 }
 
 TEST_F(DisputedSignsTest, ViewsOfAnOpenSheetTellNothing) {

@@ -10,6 +10,7 @@ namespace shrinkwrap {
 namespace {
 
 constexpr Index kGrain = 1 << 12;
+constexpr Index kPollInterval = 1 << 16;  // samples
 
 // Of each sample, whether its sign is disputed: the fewer samples of each component that are.
 std::vector<char> disputed_samples(const SpanningForest& forest) {
@@ -30,14 +31,15 @@ std::vector<char> disputed_samples(const SpanningForest& forest) {
 DisputedSigns::DisputedSigns(const NeighbourGraph& graph, const SpanningForest& forest,
                              Progress& progress)
     : graph_(graph), forest_(forest) {
-  find_sets(disputed_samples(forest));
+  find_sets(disputed_samples(forest), progress);
   if (!sets_.empty()) add_edges_at_borders(progress);
 }
 
-void DisputedSigns::find_sets(const std::vector<char>& is_disputed) {
+void DisputedSigns::find_sets(const std::vector<char>& is_disputed, Progress& progress) {
   const Index count = graph_.sample_count();
   DisjointSets connected(count);
   for (Index i = 0; i < count; ++i) {
+    if (i % kPollInterval == 0) progress.update(1.0);
     if (!is_disputed[i]) continue;
     graph_.for_each_neighbour_of(i, [&](Index j) {
       if (is_disputed[j] && forest_.component_of_sample[i] == forest_.component_of_sample[j])
@@ -50,7 +52,7 @@ void DisputedSigns::find_sets(const std::vector<char>& is_disputed) {
     const Index first = connected.find(i);  // the lowest sample of its set
     if (first == i) {
       set_of_sample_[i] = this->count();
-      sets_.emplace_back();
+      sets_.push_back({0, forest_.component_of_sample[i]});
     }
     set_of_sample_[i] = set_of_sample_[first];
     ++sets_[set_of_sample_[i]].samples;
@@ -61,8 +63,7 @@ void DisputedSigns::find_sets(const std::vector<char>& is_disputed) {
 void DisputedSigns::add_edges_at_borders(Progress& progress) {
   struct BorderEdge {
     Index set;
-    double weight;
-    bool is_against;
+    float weight;  // negative if it contradicts the forest
   };
   const auto edges = parallel_collect<BorderEdge>(
       graph_.sample_count(), kGrain, progress,
@@ -73,53 +74,45 @@ void DisputedSigns::add_edges_at_borders(Progress& progress) {
             if (set_of_sample_[i] == set_of_sample_[j] ||
                 forest_.component_of_sample[i] != forest_.component_of_sample[j])
               return;
-            const double weight = edge_weight(graph_.agreement(i, j));
-            const bool is_opposed = forest_.flipped[i] != forest_.flipped[j];
-            found.push_back({set, std::abs(weight), (weight < 0.0) != is_opposed});
+            const auto weight = static_cast<float>(edge_weight(graph_.agreement(i, j)));
+            found.push_back({set, forest_.flipped[i] != forest_.flipped[j] ? -weight : weight});
           });
       });
-  for (const BorderEdge& edge : edges)
-    (edge.is_against ? sets_[edge.set].edges : sets_[edge.set].edges_turned) += edge.weight;
+  for (const auto& [set, weight] : edges)
+    (weight < 0.0f ? sets_[set].edges : sets_[set].edges_turned) += std::abs(weight);
 }
 
 std::vector<char> DisputedSigns::find_turned(const SampleVotes& votes, double least_majority,
                                              const DisputeOptions& options) const {
-  SampleVotes trusted = votes;
-  trusted.weigh_by_trust(forest_.component_of_sample, forest_.components);
-  const double weight = votes.weight_of_one(options.vote_weight, set_of_sample_.size());
-  // Of each component, with all its sets turned: positive if views are of the side of the normals.
-  std::vector<double> facing(static_cast<std::size_t>(forest_.components), 0.0);
-  const auto for_each_clear_vote = [&](const auto& body) {
-    for (std::size_t k = 0; k < votes.drawn.size(); ++k) {
-      const double majority = trusted.votes[k].majority();
-      if (std::abs(majority) >= least_majority) body(votes.drawn[k], majority);
-    }
-  };
-  for_each_clear_vote([&](Index i, double majority) {
-    const bool is_flipped = (forest_.flipped[i] != 0) != (set_of_sample_[i] != kNone);
-    facing[forest_.component_of_sample[i]] += is_flipped ? -majority : majority;
-  });
+  // Of clear views, those of the side of the normals, as the forest turns them, and the others.
   struct Views {
-    double against = 0.0, against_turned = 0.0;
+    double front = 0.0, back = 0.0;
   };
-  std::vector<Views> views(sets_.size());
-  for_each_clear_vote([&](Index i, double majority) {
-    const Index set = set_of_sample_[i];
-    const double side = facing[forest_.component_of_sample[i]];
-    if (set == kNone || side == 0.0) return;
-    const bool is_opposed = (majority < 0.0) != (forest_.flipped[i] != 0);
-    const bool is_seen_from_behind = is_opposed == (side > 0.0);
-    (is_seen_from_behind ? views[set].against : views[set].against_turned) +=
-        weight * std::abs(majority);
-  });
+  std::vector<Views> of_undisputed(static_cast<std::size_t>(forest_.components)),
+      of_set(sets_.size());
+  const std::vector<VisibilityVote> sums =
+      votes.by_component(forest_.component_of_sample, forest_.components);
+  const double weight = votes.weight_of_one(options.vote_weight, set_of_sample_.size());
+  for (std::size_t k = 0; k < votes.drawn.size(); ++k) {
+    const Index i = votes.drawn[k], component = forest_.component_of_sample[i];
+    const double majority = votes.votes[k].majority() * sums[component].trust();
+    if (!(std::abs(majority) >= least_majority)) continue;
+    Views& views = set_of(i) == kNone ? of_undisputed[component] : of_set[set_of(i)];
+    const bool is_front = (majority > 0.0) != (forest_.flipped[i] != 0);
+    (is_front ? views.front : views.back) += weight * std::abs(majority);
+  }
   std::vector<char> turned;
   for (Index set = 0; set < count(); ++set) {
-    const auto& [samples, edges, edges_turned] = sets_[set];
+    const auto& [samples, component, edges, edges_turned] = sets_[set];
+    const Views &rest = of_undisputed[component], &own = of_set[set];
+    const double views = std::min(rest.front + own.front, rest.back + own.back);
+    const double views_turned = std::min(rest.front + own.back, rest.back + own.front);
+    const double against = edges + std::max(views - views_turned, 0.0);
+    const double against_turned = edges_turned + std::max(views_turned - views, 0.0);
     const bool do_edges_object =
         edges_turned > options.most_objections * edges +
                            options.least_border * std::sqrt(static_cast<double>(samples));
-    turned.push_back(!do_edges_object && edges_turned + views[set].against_turned <
-                                             options.preference * (edges + views[set].against));
+    turned.push_back(!do_edges_object && against_turned < options.preference * against);
   }
   return turned;
 }

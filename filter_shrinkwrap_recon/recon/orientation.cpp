@@ -43,9 +43,9 @@ SampleVotes draw_samples(const PointCloud& cloud, const OrientationOptions& opti
   return samples;
 }
 
-// Takes the signs that neighbours and views agreed upon where less goes against them than against
-// those of the spanning forest, by drawings so fine that no wall is seen through. These are not
-// made if the coarser ones are against all of it already.
+// Takes the signs that neighbours and views agreed upon for the sets of samples about which more
+// goes against those of the spanning forest (DisputedSigns), by coarse drawings and then, if there
+// are any such sets, by drawings so fine that no wall is seen through.
 void follow_agreement(const PointCloud& cloud, const NeighbourGraph& graph,
                       const OrientationOptions& options, const SampleVotes& votes,
                       SpanningForest& forest, Progress& progress) {
@@ -55,9 +55,11 @@ void follow_agreement(const PointCloud& cloud, const NeighbourGraph& graph,
   };
   std::vector<char> turned = find_turned(votes);
   if (std::find(turned.begin(), turned.end(), 1) == turned.end()) return;
-  if (votes.drawn.size() < cloud.position.size())
-    turned = find_turned(draw_samples(cloud, options, options.judging_samples,
-                                      options.judging_directions, progress));
+  if (votes.drawn.size() < cloud.position.size()) {
+    const std::vector<char> finely = find_turned(draw_samples(
+        cloud, options, options.judging_samples, options.judging_directions, progress));
+    for (std::size_t set = 0; set < turned.size(); ++set) turned[set] &= finely[set];
+  }
   for (Index i = 0; i < cloud.size(); ++i)
     if (disputed.set_of(i) != kNone && turned[disputed.set_of(i)])
       forest.flipped[i] = !forest.flipped[i];

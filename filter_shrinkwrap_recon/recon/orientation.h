@@ -52,15 +52,16 @@ struct OrientationReport {
 /// Gives the normals of the cloud a consistent outward sign. Before that, those of thin parts
 /// become the ways to the poles of their samples (pole_normals.h). Signs are found along the
 /// spanning tree of the surest edges (Hoppe et al. 1992, with another measure of sureness:
-/// neighbour_graph.h), and set by set, where less goes against them, those on which all edges and
-/// views agree best (sign_agreement.h, disputed_signs.h). Where all was seen from the origin of the
-/// input, as one view of a depth camera is (station.h), each connected component of the graph then
-/// faces it on the whole, and each sample that is seen steeply. Else one sign per component comes
-/// from visibility: the side that more orthographic views see is outside. Components that nobody
-/// sees, or that are seen only through others (VisibilityVote::foremost), are drawn again without
-/// those that were seen: where the winding number of these says that they lie within the body they
-/// bound a cavity, else a body of their own, in a cavity or behind others. At last hidden patches
-/// that contradict what they lie in are turned (inverted_patches.h).
+/// neighbour_graph.h). Set by set, where too much goes against them, they are replaced by those on
+/// which all edges and views agree best (sign_agreement.h, disputed_signs.h). Where all was seen
+/// from the origin of the input, as one view of a depth camera is (station.h), each connected
+/// component of the graph then faces it on the whole, and each sample that is seen steeply. Else
+/// one sign per component comes from visibility: the side that more orthographic views see is
+/// outside. Components that nobody sees, or that are seen only through others
+/// (VisibilityVote::foremost), are drawn again without those that were seen: where the winding
+/// number of these says that they lie within the body they bound a cavity, else a body of their
+/// own, in a cavity or behind others. At last hidden patches that contradict what they lie in are
+/// turned (inverted_patches.h).
 ///
 /// Views are trusted as far as a component is closed (VisibilityVote::trust): what stands on an
 /// open sheet, such as the ground, hides its front. Of a sheet it counts too how convex it is, seen

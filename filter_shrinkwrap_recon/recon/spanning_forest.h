@@ -21,8 +21,8 @@ struct SignOptions {
 struct SpanningForest {
   std::vector<Index> component_of_sample;  ///< numbered in order of lowest sample
   std::vector<char> flipped;  ///< whether the normal opposes that of its component's first sample
-  std::vector<char>
-      flipped_as_agreed;  ///< the same as agreed upon; empty if there is nothing to agree upon
+  std::vector<char> flipped_as_agreed;  ///< as agreed upon, up to one sign per component; empty if
+                                        ///< there is nothing to agree upon
   Index components = 0;
 };
 
@@ -32,11 +32,11 @@ struct SpanningForest {
 ///
 /// One wrong sign at a crease or in a narrow place would turn all that lies beyond it inside out.
 /// So the edges that nobody doubts, neither by their normals nor by what is seen of either side,
-/// join samples into patches; where there are more of them than of components, their signs are
-/// chosen by all edges between them and by all views (sign_agreement.h). In the forest, sure edges
-/// to which views object come after all sure edges and before the others. Where no better edges
-/// join two large sets than those across a thin wall or a slot, askew as most of these are, the
-/// sets remain components of their own.
+/// join samples into patches; where there are more of them than of components, other signs are
+/// proposed, by all edges between them and by all views (sign_agreement.h). In the forest, sure
+/// edges to which views object come after all sure edges and before the others. Where no better
+/// edges join two large sets than those across a thin wall or a slot, askew as most of these are,
+/// the sets remain components of their own.
 SpanningForest span_normals(const NeighbourGraph& graph, const SampleVotes& votes,
                             const SignOptions& options, Progress& progress);
 
