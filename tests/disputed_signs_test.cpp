@@ -168,6 +168,29 @@ TEST_F(DisputedSignsTest, ViewsOfOneSetDoNotTellOfAnother) {
   }
 }
 
+// Nor does a large set that is seen from below tell of a small one, where little else is seen.
+TEST_F(DisputedSignsTest, ALargeSetDoesNotCountAsTheRestOfAnother) {
+  const std::vector<Index> large = square(2, 2, 12), small = square(20, 20, 4);
+  turn(forest_.flipped_as_agreed, large);
+  turn(forest_.flipped_as_agreed, small);
+  std::vector<Index> seen = square(0, 0, 2);
+  for (const auto& more : {square(26, 0, 4), large, small})
+    seen.insert(seen.end(), more.begin(), more.end());
+  const SampleVotes all = views(large);
+  SampleVotes votes;
+  for (const Index i : seen) {
+    votes.drawn.push_back(i);
+    votes.votes.push_back(all.votes[i]);
+  }
+  DisputeOptions bold;
+  bold.vote_weight = 1e6;
+  bold.least_border = 1e9;
+  const DisputedSigns sets = disputed();
+  const std::vector<char> turned = sets.find_turned(votes, 0.15, bold);
+  EXPECT_TRUE(turned[sets.set_of(large[0])]);
+  EXPECT_FALSE(turned[sets.set_of(small[0])]);
+}
+
 // Where the undisputed rest is seen from nowhere, it can as well be turned instead.
 TEST_F(DisputedSignsTest, ViewsOfASetAloneDoNotTurnIt) {
   const std::vector<Index> set = square(8, 8, 12);
@@ -188,8 +211,8 @@ TEST_F(DisputedSignsTest, ViewsOfASetAloneDoNotTurnIt) {
   EXPECT_FALSE(sets.find_turned(of_set, 0.15, bold)[main_set]);
 }
 
-// The forest has a set wrong, by all edges; views hold against them what they weigh, with half of
-// the samples drawn as with all.
+// All edges are against what the forest says of a set, and views are for it. The heavier side wins,
+// be all samples drawn or, of the rest, a quarter.
 TEST_F(DisputedSignsTest, ViewsMayOutweighEdges) {
   const std::vector<Index> set = square(8, 8, 12);
   turn(forest_.flipped, set);
@@ -220,26 +243,35 @@ TEST_F(DisputedSignsTest, ViewsMayOutweighEdges) {
   }
 }
 
-// It does not matter how the normals looked before the forest turned them.
+// It does not matter how the normals looked before the forest turned them, neither to edges nor,
+// where these do not object, to views.
 TEST_F(DisputedSignsTest, NormalsMayHaveAnySigns) {
-  const std::vector<Index> wrong = square(3, 3, 8), right = square(18, 18, 8);
-  turn(forest_.flipped, wrong);
-  turn(forest_.flipped_as_agreed, right);
-  SampleVotes votes = views(wrong);
-  for (const Index i : wrong) votes.votes[i] = votes.votes[i].turned();
-  Random random(1);
-  for (Index i = 0; i < cloud_.size(); ++i)
-    if (random.uniform() < 0.5) {
-      cloud_.normal[i] = -cloud_.normal[i];
-      turn(forest_.flipped, {i});
-      turn(forest_.flipped_as_agreed, {i});
-      votes.votes[i] = votes.votes[i].turned();
+  const std::vector<Index> one = square(3, 3, 8), other = square(18, 18, 8);
+  for (const bool by_views : {false, true}) {
+    SCOPED_TRACE(by_views);
+    SetUp();
+    turn(by_views ? forest_.flipped_as_agreed : forest_.flipped, one);
+    turn(forest_.flipped_as_agreed, other);
+    SampleVotes votes = views(by_views ? one : std::vector<Index>());
+    DisputeOptions options;
+    if (by_views) {
+      options.vote_weight = 1e6;
+      options.least_border = 1e9;
     }
-  const DisputedSigns sets = disputed();
-  ASSERT_EQ(sets.count(), 2);
-  const std::vector<char> turned = sets.find_turned(votes, 0.15, DisputeOptions());
-  EXPECT_TRUE(turned[sets.set_of(wrong[0])]);
-  EXPECT_FALSE(turned[sets.set_of(right[0])]);
+    Random random(1);
+    for (Index i = 0; i < cloud_.size(); ++i)
+      if (random.uniform() < 0.5) {
+        cloud_.normal[i] = -cloud_.normal[i];
+        turn(forest_.flipped, {i});
+        turn(forest_.flipped_as_agreed, {i});
+        votes.votes[i] = votes.votes[i].turned();
+      }
+    const DisputedSigns sets = disputed();
+    ASSERT_EQ(sets.count(), 2);
+    const std::vector<char> turned = sets.find_turned(votes, 0.15, options);
+    EXPECT_TRUE(turned[sets.set_of(one[0])]);
+    EXPECT_FALSE(turned[sets.set_of(other[0])]);
+  }
 }
 
 // However many there are, and from wherever the rest is seen.
@@ -264,8 +296,8 @@ TEST_F(DisputedSignsTest, ViewsTurnNothingAgainstNearlyAllEdges) {
   }
 }
 
-// However sure its few edges are: the root of its samples tells how long its border is at least.
-TEST_F(DisputedSignsTest, ViewsTellOfSetsThatOnlyTouchTheRest) {
+// A border that weighs less than so many times the root of the samples does not object.
+TEST_F(DisputedSignsTest, TheLeastBorderIsByTheRootOfTheSamples) {
   const std::vector<Index> below = square(8, 8, 12);
   turn(forest_.flipped_as_agreed, below);
   double edges = 0.0;

@@ -12,7 +12,8 @@ namespace {
 constexpr Index kGrain = 1 << 12;
 constexpr Index kPollInterval = 1 << 16;  // samples
 
-// Of each sample, whether its sign is disputed: the fewer samples of each component that are.
+// Whether the sign of each sample is disputed. Of each component that is the smaller part: those
+// that differ, or those that do not.
 std::vector<char> disputed_samples(const SpanningForest& forest) {
   const std::size_t count = forest.flipped.size();
   std::vector<char> is_disputed(count);
@@ -39,7 +40,7 @@ void DisputedSigns::find_sets(const std::vector<char>& is_disputed, Progress& pr
   const Index count = graph_.sample_count();
   DisjointSets connected(count);
   for (Index i = 0; i < count; ++i) {
-    if (i % kPollInterval == 0) progress.update(1.0);
+    if (i % kPollInterval == 0) progress.update(0.0);
     if (!is_disputed[i]) continue;
     graph_.for_each_neighbour_of(i, [&](Index j) {
       if (is_disputed[j] && forest_.component_of_sample[i] == forest_.component_of_sample[j])

@@ -10,21 +10,22 @@
 namespace shrinkwrap {
 
 /// Nearly all edges at the border of a set object to turning it, if those that do weigh more than
-/// `most_objections` times the others and, beyond that, than `least_border` times the root of its
-/// samples. The border of a square of a grid weighs about sixteen times that root: a set that only
-/// touches the rest is left to the views.
+/// `most_objections` times the others plus `least_border` times the root of its samples. The border
+/// of a square of a grid weighs about sixteen times that root: so views can outweigh the edges of a
+/// set that only touches the rest.
 struct DisputeOptions {
   double vote_weight = 3.0;  ///< of the views on a sample, against edges (edge_weight)
-  double preference = 3.0;   ///< a set is turned if less goes against it then than so many times
-                             ///< what did: the signs agreed upon weigh all edges at once
+  double preference = 3.0;   ///< a set is turned only if what goes against it then is less than
+                             ///< so many times what did before: the signs agreed upon weigh all
+                             ///< edges at once
   double most_objections = 10.0;
   double least_border = 1.0;
 };
 
 /// The signs of one choice and those of another are the same within a component, or all opposite,
-/// but for sets of connected samples: the fewer samples of each component. Each set is settled by
-/// itself, so that one that the forest has wrong can be turned without another one that views have
-/// wrong.
+/// but for sets of connected samples, which together are at most half of the component. Each set is
+/// settled by itself, so that one that the forest has wrong can be turned without another one that
+/// views have wrong.
 class DisputedSigns {
  public:
   /// Pre: the forest is of the graph, and has signs that were agreed upon. Both are referred to.
@@ -37,11 +38,12 @@ class DisputedSigns {
 
   /// For each set, whether to turn it against what the forest says: if less goes against it then
   /// than `preference` times what does now, and not nearly all edges at its border object. Against
-  /// it are the edges at its border that contradict it, and the views that see a sample of it by a
-  /// majority of at least `least_majority` from behind: from another side than that from which most
-  /// views see the set and the undisputed samples of its component. Views may be wrong. Of an open
-  /// sheet below other things, as the base that a statue stands on, they see more from below than
-  /// from above. O(N).
+  /// it are the edges at its border that contradict it. Views that see the set and the undisputed
+  /// samples of its component see most of them from one side; against it are those from the other
+  /// side, as far as they are more than with the other sign. They count where the majority on a
+  /// sample, times the trust in the views of its component, is at least `least_majority`. Views may
+  /// be wrong: more of them see the base of a statue from below, where the scanner was not, than
+  /// from above, where the statue hides it. O(N).
   std::vector<char> find_turned(const SampleVotes& votes, double least_majority,
                                 const DisputeOptions& options) const;
 

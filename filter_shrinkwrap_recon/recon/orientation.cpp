@@ -43,9 +43,10 @@ SampleVotes draw_samples(const PointCloud& cloud, const OrientationOptions& opti
   return samples;
 }
 
-// Takes the signs that neighbours and views agreed upon for the sets of samples about which more
-// goes against those of the spanning forest (DisputedSigns), by coarse drawings and then, if there
-// are any such sets, by drawings so fine that no wall is seen through.
+// Takes the signs that neighbours and views agreed upon for the sets of samples that are to be
+// turned (DisputedSigns::find_turned) by a coarse drawing and, unless that was of all samples, also
+// by one so fine that hardly a wall is seen through. This one is not made if the coarse one turns
+// nothing.
 void follow_agreement(const PointCloud& cloud, const NeighbourGraph& graph,
                       const OrientationOptions& options, const SampleVotes& votes,
                       SpanningForest& forest, Progress& progress) {

@@ -20,7 +20,8 @@ struct SignOptions {
 /// components need not be those of the graph: where two of them only touch, signs come of views.
 struct SpanningForest {
   std::vector<Index> component_of_sample;  ///< numbered in order of lowest sample
-  std::vector<char> flipped;  ///< whether the normal opposes that of its component's first sample
+  std::vector<char> flipped;  ///< whether to turn the normal; of span_normals: whether it opposes
+                              ///< that of its component's first sample
   std::vector<char> flipped_as_agreed;  ///< as agreed upon, up to one sign per component; empty if
                                         ///< there is nothing to agree upon
   Index components = 0;
