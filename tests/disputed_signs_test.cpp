@@ -53,6 +53,28 @@ class DisputedSignsTest : public ::testing::Test {
     for (const Index i : from_below) votes.votes[i].outward = -0.5;
     return votes;
   }
+  static SampleVotes some_of(const SampleVotes& views_of_all, const std::vector<Index>& samples) {
+    SampleVotes votes;
+    for (const Index i : samples) {
+      votes.drawn.push_back(i);
+      votes.votes.push_back(views_of_all.votes[i]);
+    }
+    return votes;
+  }
+  // By views alone, whatever the edges say.
+  static DisputeOptions views_alone() {
+    DisputeOptions options;
+    options.vote_weight = 1e6;
+    options.least_border = 1e9;
+    return options;
+  }
+  // All of which weigh 1, as the grid is flat.
+  int count_edges_between_signs(const std::vector<char>& flipped) const {
+    int edges = 0;
+    for (Index i = 0; i < cloud_.size(); ++i)
+      graph_->for_each_edge_of(i, [&](Index j) { edges += flipped[i] != flipped[j]; });
+    return edges;
+  }
   DisputedSigns disputed() { return DisputedSigns(*graph_, forest_, silent_); }
   std::vector<char> find_turned(const SampleVotes& votes,
                                 const DisputeOptions& options = DisputeOptions()) {
@@ -146,9 +168,6 @@ TEST_F(DisputedSignsTest, ViewsOfOneSetDoNotTellOfAnother) {
   const std::vector<Index> one = square(3, 3, 8), other = square(18, 18, 8);
   turn(forest_.flipped_as_agreed, one);
   turn(forest_.flipped_as_agreed, other);
-  DisputeOptions bold;
-  bold.vote_weight = 1e6;
-  bold.least_border = 1e9;
   for (const bool are_two : {false, true}) {
     SCOPED_TRACE(are_two);
     SampleVotes votes = views(one);
@@ -161,7 +180,7 @@ TEST_F(DisputedSignsTest, ViewsOfOneSetDoNotTellOfAnother) {
       }
     }
     const DisputedSigns sets = disputed();
-    const std::vector<char> turned = sets.find_turned(votes, 0.15, bold);
+    const std::vector<char> turned = sets.find_turned(votes, 0.15, views_alone());
     ASSERT_EQ(turned.size(), 2u);
     EXPECT_TRUE(turned[sets.set_of(one[0])]);
     EXPECT_FALSE(turned[sets.set_of(other[0])]);
@@ -176,17 +195,9 @@ TEST_F(DisputedSignsTest, ALargeSetDoesNotCountAsTheRestOfAnother) {
   std::vector<Index> seen = square(0, 0, 2);
   for (const auto& more : {square(26, 0, 4), large, small})
     seen.insert(seen.end(), more.begin(), more.end());
-  const SampleVotes all = views(large);
-  SampleVotes votes;
-  for (const Index i : seen) {
-    votes.drawn.push_back(i);
-    votes.votes.push_back(all.votes[i]);
-  }
-  DisputeOptions bold;
-  bold.vote_weight = 1e6;
-  bold.least_border = 1e9;
+  const SampleVotes votes = some_of(views(large), seen);
   const DisputedSigns sets = disputed();
-  const std::vector<char> turned = sets.find_turned(votes, 0.15, bold);
+  const std::vector<char> turned = sets.find_turned(votes, 0.15, views_alone());
   EXPECT_TRUE(turned[sets.set_of(large[0])]);
   EXPECT_FALSE(turned[sets.set_of(small[0])]);
 }
@@ -197,18 +208,11 @@ TEST_F(DisputedSignsTest, ViewsOfASetAloneDoNotTurnIt) {
   turn(forest_.flipped_as_agreed, set);
   turn(forest_.flipped, square(8, 8, 2));  // some edges are against it
   turn(forest_.flipped_as_agreed, square(8, 8, 2));
-  SampleVotes votes = views(set), of_set;
-  for (const Index i : set) {
-    of_set.drawn.push_back(i);
-    of_set.votes.push_back(votes.votes[i]);
-  }
-  DisputeOptions bold;
-  bold.vote_weight = 1e3;
-  bold.least_border = 1e9;
+  const SampleVotes votes = views(set);
   const DisputedSigns sets = disputed();
   const Index main_set = sets.set_of(square(15, 15, 1)[0]);
-  EXPECT_TRUE(sets.find_turned(votes, 0.15, bold)[main_set]);
-  EXPECT_FALSE(sets.find_turned(of_set, 0.15, bold)[main_set]);
+  EXPECT_TRUE(sets.find_turned(votes, 0.15, views_alone())[main_set]);
+  EXPECT_FALSE(sets.find_turned(some_of(votes, set), 0.15, views_alone())[main_set]);
 }
 
 // All edges are against what the forest says of a set, and views are for it. The heavier side wins,
@@ -216,24 +220,17 @@ TEST_F(DisputedSignsTest, ViewsOfASetAloneDoNotTurnIt) {
 TEST_F(DisputedSignsTest, ViewsMayOutweighEdges) {
   const std::vector<Index> set = square(8, 8, 12);
   turn(forest_.flipped, set);
-  double edges = 0.0;
-  for (Index i = 0; i < cloud_.size(); ++i)
-    graph_->for_each_edge_of(i,
-                             [&](Index j) { edges += forest_.flipped[i] != forest_.flipped[j]; });
+  const int edges = count_edges_between_signs(forest_.flipped);
   const SampleVotes all = views(set);
   for (const bool are_all_drawn : {true, false}) {
     SCOPED_TRACE(are_all_drawn);
-    SampleVotes votes;
-    double majorities = 0.0;
-    for (Index i = 0; i < cloud_.size(); ++i) {
-      const bool is_in_set = std::find(set.begin(), set.end(), i) != set.end();
-      if (!are_all_drawn && !is_in_set && i % 4 != 0) continue;
-      votes.drawn.push_back(i);
-      votes.votes.push_back(all.votes[i]);
-      if (is_in_set) majorities += 0.5;
-    }
-    const double balance =
-        edges / (majorities * cloud_.size() / static_cast<double>(votes.drawn.size()));
+    std::vector<Index> drawn = set;
+    for (Index i = 0; i < cloud_.size(); ++i)
+      if ((are_all_drawn || i % 4 == 0) && std::find(set.begin(), set.end(), i) == set.end())
+        drawn.push_back(i);
+    const SampleVotes votes = some_of(all, drawn);
+    const double majorities = 0.5 * static_cast<double>(set.size());
+    const double balance = edges / (majorities * cloud_.size() / static_cast<double>(drawn.size()));
     DisputeOptions options;
     options.preference = 1.0;
     options.vote_weight = 0.98 * balance;
@@ -253,11 +250,7 @@ TEST_F(DisputedSignsTest, NormalsMayHaveAnySigns) {
     turn(by_views ? forest_.flipped_as_agreed : forest_.flipped, one);
     turn(forest_.flipped_as_agreed, other);
     SampleVotes votes = views(by_views ? one : std::vector<Index>());
-    DisputeOptions options;
-    if (by_views) {
-      options.vote_weight = 1e6;
-      options.least_border = 1e9;
-    }
+    const DisputeOptions options = by_views ? views_alone() : DisputeOptions();
     Random random(1);
     for (Index i = 0; i < cloud_.size(); ++i)
       if (random.uniform() < 0.5) {
@@ -300,10 +293,7 @@ TEST_F(DisputedSignsTest, ViewsTurnNothingAgainstNearlyAllEdges) {
 TEST_F(DisputedSignsTest, TheLeastBorderIsByTheRootOfTheSamples) {
   const std::vector<Index> below = square(8, 8, 12);
   turn(forest_.flipped_as_agreed, below);
-  double edges = 0.0;
-  for (Index i = 0; i < cloud_.size(); ++i)
-    graph_->for_each_edge_of(
-        i, [&](Index j) { edges += forest_.flipped_as_agreed[i] != forest_.flipped_as_agreed[j]; });
+  const int edges = count_edges_between_signs(forest_.flipped_as_agreed);
   DisputeOptions options;
   options.vote_weight = 1e6;
   options.least_border = 0.98 * edges / 12.0;
@@ -315,22 +305,16 @@ TEST_F(DisputedSignsTest, TheLeastBorderIsByTheRootOfTheSamples) {
 TEST_F(DisputedSignsTest, ViewsOfAnOpenSheetTellNothing) {
   const std::vector<Index> below = square(8, 8, 12);
   turn(forest_.flipped_as_agreed, below);
-  DisputeOptions bold;
-  bold.vote_weight = 1e6;
-  bold.least_border = 1e9;
-  EXPECT_EQ(find_turned(views(below, 1.0), bold), std::vector<char>({1}));
-  EXPECT_EQ(find_turned(views(below, 0.0), bold), std::vector<char>({0}));
+  EXPECT_EQ(find_turned(views(below, 1.0), views_alone()), std::vector<char>({1}));
+  EXPECT_EQ(find_turned(views(below, 0.0), views_alone()), std::vector<char>({0}));
 }
 
 TEST_F(DisputedSignsTest, UnclearVotesDoNotCount) {
   const std::vector<Index> below = square(8, 8, 12);
   turn(forest_.flipped_as_agreed, below);
-  DisputeOptions bold;
-  bold.vote_weight = 1e6;
-  bold.least_border = 1e9;
   const SampleVotes votes = views(below);
-  EXPECT_EQ(disputed().find_turned(votes, 0.4, bold), std::vector<char>({1}));
-  EXPECT_EQ(disputed().find_turned(votes, 0.6, bold), std::vector<char>({0}));
+  EXPECT_EQ(disputed().find_turned(votes, 0.4, views_alone()), std::vector<char>({1}));
+  EXPECT_EQ(disputed().find_turned(votes, 0.6, views_alone()), std::vector<char>({0}));
 }
 
 // The edges of one sample, half of which contradict either sign.
