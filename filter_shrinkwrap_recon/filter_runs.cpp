@@ -6,14 +6,14 @@
 #include <cmath>
 #include <numeric>
 
-#include "bounding_box_start.h"
-#include "coordinate_matches.h"
+#include "common/memory_estimate.h"
+#include "common/parallel.h"
 #include "filter_log.h"
-#include "memory_estimate.h"
-#include "outliers_on_surface.h"
-#include "parallel.h"
-#include "stage_qualities.h"
-#include "voxel_search.h"
+#include "geometry/coordinate_matches.h"
+#include "geometry/voxel_search.h"
+#include "initial_mesh/bounding_box_start.h"
+#include "report/outliers_on_surface.h"
+#include "report/stage_qualities.h"
 
 namespace shrinkwrap {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "types.h"
+#include "common/types.h"
 
 namespace shrinkwrap::sample_clouds {
 namespace internal {

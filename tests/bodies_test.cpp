@@ -1,6 +1,6 @@
 // Which components of a mesh are bodies, cavities or inside out, against nests whose sides are
 // known.
-#include "bodies.h"
+#include "mesh/bodies.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

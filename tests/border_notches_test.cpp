@@ -1,6 +1,6 @@
 // Notches in the border of an opening: filled where the surface goes on across them, and nowhere
 // else.
-#include "border_notches.h"
+#include "complete_matching/border_notches.h"
 
 #include <gtest/gtest.h>
 

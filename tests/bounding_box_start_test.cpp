@@ -1,4 +1,4 @@
-#include "bounding_box_start.h"
+#include "initial_mesh/bounding_box_start.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

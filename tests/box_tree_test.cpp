@@ -1,12 +1,12 @@
 // Boxes of faces: what may meet a triangle is found, and what lies beside it is passed over.
-#include "box_tree.h"
+#include "mesh/box_tree.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "mesh/triangle_pair.h"
 #include "shapes.h"
-#include "triangle_pair.h"
 
 namespace shrinkwrap {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "outliers.h"
-#include "point_cloud.h"
+#include "samples/outliers.h"
+#include "samples/point_cloud.h"
 
 namespace shrinkwrap::testing {
 

@@ -1,5 +1,5 @@
 // Openings closed by removing the vertices that are no samples, with and without cuts.
-#include "close_openings.h"
+#include "complete_matching/close_openings.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <cmath>
 #include <thread>
 
+#include "complete_matching/openings.h"
 #include "expect_mesh.h"
 #include "meeting_pairs.h"
-#include "openings.h"
 #include "oriented_cloud.h"
 #include "shapes.h"
 

@@ -1,6 +1,6 @@
 // Complete matching by re-tiling: every sample a vertex, every vertex a sample, on a mesh that
 // stays a closed 2-manifold whatever the samples.
-#include "complete_matching.h"
+#include "complete_matching/complete_matching.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -1,4 +1,4 @@
-#include "control_mesh.h"
+#include "parametric_surface/control_mesh.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -1,4 +1,4 @@
-#include "crease_planes.h"
+#include "orientation/crease_planes.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "initial_mesh.h"
+#include "initial_mesh/initial_mesh.h"
 #include "oriented_cloud.h"
 #include "shapes.h"
 

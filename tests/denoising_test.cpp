@@ -1,4 +1,4 @@
-#include "denoising.h"
+#include "orientation/denoising.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
@@ -11,11 +11,11 @@
 #include <numeric>
 #include <string>
 
-#include "noise.h"
-#include "orientation.h"
+#include "orientation/orientation.h"
 #include "reconstruct.h"
+#include "samples/noise.h"
+#include "samples/tangent_target.h"
 #include "shapes.h"
-#include "tangent_target.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "disputed_signs.h"
+#include "orientation/disputed_signs.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <memory>
 
-#include "orientation.h"
+#include "orientation/orientation.h"
 #include "oriented_cloud.h"
 #include "shapes.h"
 

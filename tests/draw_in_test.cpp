@@ -1,4 +1,4 @@
-#include "draw_in.h"
+#include "complete_matching/draw_in.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Edge optimisation: creases are followed, planes and well-shaped triangles are left alone, nothing
 // else changes.
-#include "edge_optimisation.h"
+#include "edge_optimisation/edge_optimisation.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -12,8 +12,8 @@
 #include <set>
 #include <utility>
 
-#include "delaunay_flips.h"
 #include "expect_mesh.h"
+#include "mesh/delaunay_flips.h"
 #include "shapes.h"
 
 namespace shrinkwrap {

@@ -4,10 +4,10 @@
 #include <utility>
 #include <vector>
 
-#include "complete_matching.h"
-#include "point_cloud.h"
+#include "complete_matching/complete_matching.h"
+#include "mesh/surface_mesh.h"
+#include "samples/point_cloud.h"
 #include "shapes.h"
-#include "surface_mesh.h"
 
 namespace shrinkwrap::testing {
 

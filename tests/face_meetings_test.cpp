@@ -1,5 +1,5 @@
 // Pairs of faces kept up to date, against pairs found anew.
-#include "face_meetings.h"
+#include "mesh/face_meetings.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
@@ -7,7 +7,7 @@
 #include <algorithm>
 
 #include "expect_mesh.h"
-#include "self_intersection.h"
+#include "mesh/self_intersection.h"
 #include "shapes.h"
 
 namespace shrinkwrap {

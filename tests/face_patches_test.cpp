@@ -1,5 +1,5 @@
 // Sets of faces of small meshes.
-#include "face_patches.h"
+#include "mesh/face_patches.h"
 
 #include <gtest/gtest.h>
 

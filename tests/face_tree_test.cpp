@@ -1,5 +1,5 @@
 // The nearest face by the tree, against all faces.
-#include "face_tree.h"
+#include "mesh/face_tree.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Handles that no samples bear out.
-#include "false_handles.h"
+#include "initial_mesh/false_handles.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "expect_mesh.h"
-#include "initial_mesh.h"
+#include "initial_mesh/initial_mesh.h"
 #include "oriented_cloud.h"
 #include "shapes.h"
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "common/memory_estimate.h"
 #include "filter_outcomes.h"
-#include "memory_estimate.h"
 #include "shapes.h"
 
 namespace {

@@ -1,5 +1,5 @@
 // Folds made in smooth meshes, and removed.
-#include "fold_removal.h"
+#include "edge_optimisation/fold_removal.h"
 
 #include <gtest/gtest.h>
 
@@ -8,11 +8,11 @@
 #include <string>
 #include <utility>
 
+#include "edge_optimisation/intersection_repair.h"
 #include "expect_mesh.h"
-#include "intersection_repair.h"
+#include "geometry/triangle_geometry.h"
 #include "meeting_pairs.h"
 #include "shapes.h"
-#include "triangle_geometry.h"
 
 namespace shrinkwrap {
 namespace {

@@ -1,5 +1,5 @@
 // Patches stretched between what surrounds them.
-#include "harmonic_surface.h"
+#include "mesh/harmonic_surface.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Flips of single edges: what they may do, and what is known of the mesh after them.
-#include "hinge_flips.h"
+#include "edge_optimisation/hinge_flips.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The winding number, the voxel solid, and the initial mesh made of them.
-#include "initial_mesh.h"
+#include "initial_mesh/initial_mesh.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -8,10 +8,10 @@
 #include <string>
 
 #include "expect_mesh.h"
+#include "initial_mesh/voxel_solid.h"
+#include "orientation/winding_number.h"
 #include "oriented_cloud.h"
 #include "shapes.h"
-#include "voxel_solid.h"
-#include "winding_number.h"
 
 namespace shrinkwrap::testing {
 namespace {

@@ -1,4 +1,4 @@
-#include "intersection_relaxation.h"
+#include "stop_at_surface/intersection_relaxation.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "expect_mesh.h"
-#include "self_intersection.h"
+#include "mesh/self_intersection.h"
 #include "shapes.h"
 
 namespace shrinkwrap::testing {

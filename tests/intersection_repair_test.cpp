@@ -1,5 +1,5 @@
 // Meshes spoilt on purpose, and what the repair makes of them.
-#include "intersection_repair.h"
+#include "edge_optimisation/intersection_repair.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "expect_mesh.h"
 #include "meeting_pairs.h"
-#include "self_intersection.h"
+#include "mesh/self_intersection.h"
 #include "shapes.h"
 
 namespace shrinkwrap {

@@ -1,4 +1,4 @@
-#include "inverted_patches.h"
+#include "orientation/inverted_patches.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "orientation.h"
+#include "orientation/orientation.h"
 #include "oriented_cloud.h"
 #include "reconstruct.h"
 #include "shapes.h"

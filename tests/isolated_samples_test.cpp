@@ -1,5 +1,5 @@
 // Samples in the middle of openings, joined to the border by a face each.
-#include "isolated_samples.h"
+#include "complete_matching/isolated_samples.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "expect_mesh.h"
-#include "self_intersection.h"
+#include "mesh/self_intersection.h"
 #include "shapes.h"
 
 namespace shrinkwrap {

@@ -1,5 +1,5 @@
 // Coordinates rounded to wide steps: told from slices, faces and sheets, and counted as noise.
-#include "layers.h"
+#include "samples/layers.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <cmath>
 #include <vector>
 
-#include "noise.h"
 #include "oriented_cloud.h"
 #include "reconstruct.h"
+#include "samples/noise.h"
 #include "shapes.h"
 
 namespace shrinkwrap::testing {

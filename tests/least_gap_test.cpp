@@ -6,9 +6,9 @@
 #include <array>
 #include <cmath>
 
-#include "delaunay_flips.h"
-#include "edge_optimisation.h"
+#include "edge_optimisation/edge_optimisation.h"
 #include "expect_mesh.h"
+#include "mesh/delaunay_flips.h"
 #include "shapes.h"
 
 namespace shrinkwrap {

@@ -1,8 +1,8 @@
 // The faces of a mesh that meet others, and their pairs, found anew.
 #pragma once
 
-#include "self_intersection.h"
-#include "surface_mesh.h"
+#include "mesh/self_intersection.h"
+#include "mesh/surface_mesh.h"
 
 namespace shrinkwrap::testing {
 

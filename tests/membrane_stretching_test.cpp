@@ -1,5 +1,5 @@
 // Membranes of a parametric surface, stretched between their rims.
-#include "membrane_stretching.h"
+#include "stop_at_surface/membrane_stretching.h"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "face_patches.h"
 #include "meeting_pairs.h"
+#include "mesh/face_patches.h"
+#include "mesh/self_intersection.h"
 #include "open_scan.h"
-#include "self_intersection.h"
 #include "shapes.h"
 
 namespace shrinkwrap::testing {

@@ -1,5 +1,5 @@
 // The report against meshes whose faults are known, and against a count of its own.
-#include "mesh_report.h"
+#include "report/mesh_report.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -1,5 +1,5 @@
 // Samples that are there several times, but for a little: found, left out, and inserted at last.
-#include "near_copies.h"
+#include "samples/near_copies.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "cleaned_cloud.h"
+#include "complete_matching/near_copy_insertion.h"
 #include "expect_mesh.h"
-#include "morton.h"
-#include "near_copy_insertion.h"
-#include "outliers.h"
+#include "geometry/morton.h"
+#include "mesh/self_intersection.h"
 #include "reconstruct.h"
-#include "self_intersection.h"
+#include "samples/outliers.h"
 #include "shapes.h"
 
 namespace shrinkwrap {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "edge_optimisation.h"
+#include "edge_optimisation/edge_optimisation.h"
 #include "expect_mesh.h"
 #include "shapes.h"
 

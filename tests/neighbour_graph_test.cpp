@@ -1,4 +1,4 @@
-#include "neighbour_graph.h"
+#include "orientation/neighbour_graph.h"
 
 #include <gtest/gtest.h>
 

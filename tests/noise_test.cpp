@@ -1,4 +1,4 @@
-#include "noise.h"
+#include "samples/noise.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>

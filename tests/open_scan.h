@@ -3,11 +3,11 @@
 
 #include <vector>
 
-#include "membrane_stretching.h"
+#include "complete_matching/surface_openings.h"
 #include "oriented_cloud.h"
-#include "parametric_surface.h"
+#include "parametric_surface/parametric_surface.h"
 #include "shapes.h"
-#include "surface_openings.h"
+#include "stop_at_surface/membrane_stretching.h"
 
 namespace shrinkwrap::testing {
 

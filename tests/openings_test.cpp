@@ -1,5 +1,5 @@
 // Openings of the scan by their width: what spans them stays, or becomes a border.
-#include "openings.h"
+#include "complete_matching/openings.h"
 
 #include <gtest/gtest.h>
 

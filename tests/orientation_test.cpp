@@ -1,4 +1,4 @@
-#include "orientation.h"
+#include "orientation/orientation.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "neighbourhoods.h"
 #include "oriented_cloud.h"
+#include "samples/neighbourhoods.h"
 #include "shapes.h"
 #include "town.h"
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
-#include "neighbourhoods.h"
-#include "orientation.h"
-#include "point_cloud.h"
+#include "orientation/orientation.h"
+#include "samples/neighbourhoods.h"
+#include "samples/point_cloud.h"
 
 namespace shrinkwrap::testing {
 

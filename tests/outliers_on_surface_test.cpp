@@ -1,12 +1,12 @@
-#include "outliers_on_surface.h"
+#include "report/outliers_on_surface.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "bounding_box_start.h"
 #include "cleaned_cloud.h"
+#include "initial_mesh/bounding_box_start.h"
 #include "reconstruct.h"
 #include "shapes.h"
 

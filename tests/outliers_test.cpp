@@ -1,4 +1,4 @@
-#include "outliers.h"
+#include "samples/outliers.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>

@@ -1,4 +1,4 @@
-#include "parallel_sheets.h"
+#include "samples/parallel_sheets.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "point_cloud.h"
+#include "samples/point_cloud.h"
 #include "shapes.h"
 
 namespace shrinkwrap::testing {

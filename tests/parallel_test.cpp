@@ -1,6 +1,6 @@
 // Sorting, numbering and uniting in parallel: against the plain loops that they stand for, with
 // one thread and with several.
-#include "parallel.h"
+#include "common/parallel.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
@@ -8,9 +8,9 @@
 #include <algorithm>
 #include <random>
 
-#include "buckets.h"
-#include "radix_sort.h"
-#include "shared_sets.h"
+#include "common/buckets.h"
+#include "common/radix_sort.h"
+#include "common/shared_sets.h"
 
 namespace shrinkwrap {
 namespace {

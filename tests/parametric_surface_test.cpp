@@ -1,4 +1,4 @@
-#include "parametric_surface.h"
+#include "parametric_surface/parametric_surface.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "expect_mesh.h"
-#include "initial_mesh.h"
+#include "initial_mesh/initial_mesh.h"
 #include "oriented_cloud.h"
 #include "shapes.h"
 

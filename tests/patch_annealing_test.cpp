@@ -1,5 +1,5 @@
 // Patches of spoilt meshes, annealed.
-#include "patch_annealing.h"
+#include "edge_optimisation/patch_annealing.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "expect_mesh.h"
-#include "face_patches.h"
 #include "meeting_pairs.h"
+#include "mesh/face_patches.h"
 #include "shapes.h"
 
 namespace shrinkwrap {

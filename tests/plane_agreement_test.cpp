@@ -1,5 +1,5 @@
 // The share of a mesh that stands across the tangent planes of its samples.
-#include "plane_agreement.h"
+#include "report/plane_agreement.h"
 
 #include <gtest/gtest.h>
 

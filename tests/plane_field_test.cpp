@@ -1,4 +1,4 @@
-#include "plane_field.h"
+#include "initial_mesh/plane_field.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "plane_support.h"
+#include "samples/plane_support.h"
 
 #include <gtest/gtest.h>
 

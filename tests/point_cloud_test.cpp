@@ -1,4 +1,4 @@
-#include "point_cloud.h"
+#include "samples/point_cloud.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -1,4 +1,4 @@
-#include "pole_normals.h"
+#include "orientation/pole_normals.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -8,9 +8,9 @@
 #include <cmath>
 #include <vector>
 
-#include "initial_mesh.h"
-#include "neighbour_graph.h"
-#include "orientation.h"
+#include "initial_mesh/initial_mesh.h"
+#include "orientation/neighbour_graph.h"
+#include "orientation/orientation.h"
 #include "shapes.h"
 
 namespace shrinkwrap::testing {

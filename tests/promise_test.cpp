@@ -1,4 +1,4 @@
-#include "promise.h"
+#include "report/promise.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "expect_mesh.h"
-#include "self_intersection.h"
+#include "mesh/self_intersection.h"
 #include "shapes.h"
 #include "town.h"
 

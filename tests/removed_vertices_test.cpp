@@ -1,5 +1,5 @@
 // Names of faces after a removal, and the vertices that are held in the next trial.
-#include "removed_vertices.h"
+#include "mesh/removed_vertices.h"
 
 #include <gtest/gtest.h>
 

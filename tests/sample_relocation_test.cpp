@@ -1,5 +1,5 @@
 // Samples that sit in the wrong place of a mesh.
-#include "sample_relocation.h"
+#include "edge_optimisation/sample_relocation.h"
 
 #include <gtest/gtest.h>
 

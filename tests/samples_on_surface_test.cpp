@@ -1,4 +1,4 @@
-#include "samples_on_surface.h"
+#include "stop_at_surface/samples_on_surface.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "denoising.h"
+#include "orientation/denoising.h"
 #include "oriented_cloud.h"
+#include "parametric_surface/sample_feet.h"
 #include "reconstruct.h"
-#include "sample_feet.h"
 #include "shapes.h"
 
 namespace {

@@ -1,5 +1,5 @@
 // Neighbours of samples on lines: more where they see across, no more where that is of no use.
-#include "scan_lines.h"
+#include "samples/scan_lines.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -7,11 +7,11 @@
 #include <cmath>
 #include <vector>
 
+#include "common/memory_estimate.h"
 #include "expect_mesh.h"
-#include "memory_estimate.h"
-#include "orientation.h"
-#include "outliers.h"
+#include "orientation/orientation.h"
 #include "reconstruct.h"
+#include "samples/outliers.h"
 #include "shapes.h"
 
 namespace shrinkwrap {

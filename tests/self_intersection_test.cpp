@@ -1,5 +1,5 @@
 // Exact signs, pairs of triangles, and the search for pairs of faces that meet.
-#include "self_intersection.h"
+#include "mesh/self_intersection.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -9,8 +9,8 @@
 #include <cmath>
 #include <limits>
 
-#include "exact_predicates.h"
 #include "expect_mesh.h"
+#include "geometry/exact_predicates.h"
 #include "shapes.h"
 
 namespace shrinkwrap {

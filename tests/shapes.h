@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "surface_mesh.h"
-#include "types.h"
+#include "common/types.h"
+#include "mesh/surface_mesh.h"
 
 namespace shrinkwrap::testing {
 

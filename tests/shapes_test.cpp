@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "expect_mesh.h"
-#include "voxel_search.h"
+#include "geometry/voxel_search.h"
 
 namespace shrinkwrap::testing {
 namespace {

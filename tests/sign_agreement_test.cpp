@@ -1,12 +1,12 @@
-#include "sign_agreement.h"
+#include "orientation/sign_agreement.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 #include <numeric>
 
+#include "orientation/sign_matrix.h"
 #include "shapes.h"
-#include "sign_matrix.h"
 
 namespace shrinkwrap::testing {
 namespace {

@@ -1,13 +1,13 @@
-#include "snap_and_insert.h"
+#include "complete_matching/snap_and_insert.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
 #include <cmath>
 
-#include "bounding_box_start.h"
 #include "expect_mesh.h"
-#include "orientation.h"
+#include "initial_mesh/bounding_box_start.h"
+#include "orientation/orientation.h"
 
 namespace shrinkwrap::testing {
 namespace {

@@ -1,4 +1,4 @@
-#include "spanning_faces.h"
+#include "mesh/spanning_faces.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "face_patches.h"
-#include "intersection_repair.h"
+#include "edge_optimisation/intersection_repair.h"
+#include "mesh/face_patches.h"
 #include "shapes.h"
 
 namespace shrinkwrap::testing {

@@ -1,5 +1,5 @@
 // Which clouds are one view from a place, and that their normals face it.
-#include "station.h"
+#include "orientation/station.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "filter_outcomes.h"
-#include "orientation.h"
+#include "orientation/orientation.h"
 #include "oriented_cloud.h"
 #include "shapes.h"
 

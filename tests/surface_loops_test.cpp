@@ -1,5 +1,5 @@
 // Loops on a torus: around its tube, along it, and cuts along them.
-#include "surface_loops.h"
+#include "mesh/surface_loops.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The half-edge mesh: every operation keeps a closed 2-manifold, and refuses where it could not.
-#include "surface_mesh.h"
+#include "mesh/surface_mesh.h"
 
 #include <gtest/gtest.h>
 

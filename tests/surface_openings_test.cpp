@@ -1,5 +1,5 @@
 // Openings where a run ends at the parametric surface.
-#include "surface_openings.h"
+#include "complete_matching/surface_openings.h"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <string>
 
 #include "expect_mesh.h"
-#include "face_patches.h"
+#include "mesh/face_patches.h"
+#include "mesh/self_intersection.h"
 #include "open_scan.h"
 #include "reconstruct.h"
-#include "self_intersection.h"
 #include "shapes.h"
 
 namespace shrinkwrap::testing {

@@ -1,10 +1,10 @@
-#include "tangent_target.h"
+#include "samples/tangent_target.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "orientation.h"
+#include "orientation/orientation.h"
 #include "shapes.h"
 
 namespace shrinkwrap {

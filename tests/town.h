@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "types.h"
+#include "common/types.h"
 
 namespace shrinkwrap::testing {
 

@@ -1,4 +1,4 @@
-#include "visibility.h"
+#include "orientation/visibility.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Smaller voxels where samples are dense, and the boundary of voxels of two sizes.
-#include "voxel_refinement.h"
+#include "initial_mesh/voxel_refinement.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -9,11 +9,11 @@
 #include <set>
 
 #include "expect_mesh.h"
-#include "initial_mesh.h"
+#include "initial_mesh/initial_mesh.h"
+#include "initial_mesh/voxel_boundary.h"
 #include "oriented_cloud.h"
 #include "reconstruct.h"
 #include "shapes.h"
-#include "voxel_boundary.h"
 
 namespace shrinkwrap::testing {
 namespace {

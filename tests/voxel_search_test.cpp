@@ -1,4 +1,4 @@
-#include "voxel_search.h"
+#include "geometry/voxel_search.h"
 
 #include <gtest/gtest.h>
 

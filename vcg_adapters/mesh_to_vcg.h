@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "point_cloud_from_vcg.h"
-#include "result_mesh.h"
+#include "report/result_mesh.h"
 
 namespace shrinkwrap {
 namespace internal {

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "types.h"
+#include "common/types.h"
 
 namespace shrinkwrap {
 

@@ -3,7 +3,7 @@
 
 #include <wrap/callback.h>
 
-#include "progress.h"
+#include "common/progress.h"
 
 namespace shrinkwrap {
 

@@ -4,7 +4,7 @@
 #include <vcg/complex/complex.h>
 
 #include "point_cloud_from_vcg.h"
-#include "result_mesh.h"
+#include "report/result_mesh.h"
 
 namespace shrinkwrap {
 

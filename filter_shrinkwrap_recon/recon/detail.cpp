@@ -1,6 +1,6 @@
 #include "detail.h"
 
-#include "attempted.h"
+#include "common/attempted.h"
 
 namespace shrinkwrap {
 namespace {

@@ -5,21 +5,21 @@
 #include <algorithm>
 #include <cmath>
 
-#include "attempted.h"
-#include "bodies.h"
-#include "bounding_box_start.h"
-#include "coordinate_matches.h"
+#include "common/attempted.h"
+#include "common/freed_memory.h"
+#include "common/memory_estimate.h"
+#include "complete_matching/finish_matching.h"
+#include "complete_matching/near_copy_insertion.h"
 #include "detail.h"
-#include "finish_matching.h"
-#include "freed_memory.h"
-#include "membrane_stretching.h"
-#include "memory_estimate.h"
-#include "near_copy_insertion.h"
-#include "outliers_on_surface.h"
+#include "geometry/coordinate_matches.h"
+#include "initial_mesh/bounding_box_start.h"
+#include "mesh/bodies.h"
+#include "mesh/self_intersection.h"
+#include "report/outliers_on_surface.h"
+#include "report/stage_qualities.h"
 #include "second_attempt.h"
-#include "self_intersection.h"
 #include "stage_log.h"
-#include "stage_qualities.h"
+#include "stop_at_surface/membrane_stretching.h"
 
 namespace shrinkwrap {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "attempted.h"
-#include "plane_agreement.h"
+#include "common/attempted.h"
+#include "report/plane_agreement.h"
 
 namespace shrinkwrap {
 namespace {

@@ -8,7 +8,7 @@
 #include <nanoflann.hpp>
 #include <random>
 
-#include "voxel_search.h"
+#include "geometry/voxel_search.h"
 #ifdef SHRINKWRAP_HAVE_VCGLIB
 #include <vcg/space/index/kdtree/kdtree.h>
 #include <vcg/space/point3.h>

@@ -6,7 +6,7 @@
 #include <exception>
 
 #include "clouds.h"
-#include "point_cloud.h"
+#include "samples/point_cloud.h"
 #include "shapes.h"
 
 int main(int argc, char** argv) {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "attempt.h"
-#include "types.h"
+#include "common/types.h"
 
 namespace shrinkwrap::robustness {
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "child_process.h"
+#include "common/types.h"
 #include "json_line.h"
-#include "types.h"
 
 namespace shrinkwrap::robustness {
 

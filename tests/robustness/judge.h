@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "result_mesh.h"
-#include "types.h"
+#include "common/types.h"
+#include "report/result_mesh.h"
 
 namespace shrinkwrap::robustness {
 

@@ -1,0 +1,46 @@
+#include "common/freed_memory.h"
+
+#include <limits>
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
+namespace shrinkwrap {
+namespace {
+
+// The largest arrays hold 64 bytes a sample: with fewer samples they stay below 32 MiB.
+constexpr std::size_t kLeastSamples = 500000;
+
+}  // namespace
+
+#ifdef __GLIBC__
+
+namespace {
+
+constexpr int kGlibcLargestThreshold = 32 << 20;  // where its own adjustment ends
+constexpr int kNoLimit = std::numeric_limits<int>::max();
+
+}  // namespace
+
+FreedMemoryIsKept::FreedMemoryIsKept(std::size_t samples) : active_(samples >= kLeastSamples) {
+  if (!active_) return;
+  mallopt(M_MMAP_THRESHOLD, kNoLimit);
+  mallopt(M_TRIM_THRESHOLD, kNoLimit);
+}
+
+FreedMemoryIsKept::~FreedMemoryIsKept() {
+  if (!active_) return;
+  mallopt(M_MMAP_THRESHOLD, kGlibcLargestThreshold);
+  mallopt(M_TRIM_THRESHOLD, 2 * kGlibcLargestThreshold);
+  malloc_trim(0);
+}
+
+#else
+
+FreedMemoryIsKept::FreedMemoryIsKept(std::size_t samples) : active_(samples >= kLeastSamples) {}
+FreedMemoryIsKept::~FreedMemoryIsKept() = default;
+
+#endif
+
+}  // namespace shrinkwrap

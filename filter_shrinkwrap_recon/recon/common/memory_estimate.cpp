@@ -1,0 +1,53 @@
+#include "common/memory_estimate.h"
+
+#include <algorithm>
+#include <fstream>
+#include <string>
+
+namespace shrinkwrap {
+namespace {
+
+// The most that was measured of closed shapes is 514 (complete matching, two threads) beside 24 for
+// the input, of noise of one spacing 640 (signs of normals), of sheets, whose matching may be made
+// twice, 700.
+constexpr std::uint64_t kBytesPerSample = 700;
+// 4.2 for each neighbour beyond 16 (128, on scan lines: 1,001 in all).
+constexpr std::uint64_t kBytesPerNeighbour = 5;
+constexpr int kFewNeighbours = 16;
+constexpr std::uint64_t kBaseBytes = std::uint64_t{32} << 20;
+
+std::string in_gibibytes(std::uint64_t bytes) {
+  const std::string text = std::to_string(static_cast<double>(bytes) / (1 << 30));
+  return text.substr(0, text.find('.') + 2) + " GiB";
+}
+
+}  // namespace
+
+std::uint64_t estimated_peak_bytes(std::uint64_t samples, int neighbours) {
+  const std::uint64_t more = static_cast<std::uint64_t>(std::max(neighbours - kFewNeighbours, 0));
+  return kBaseBytes + samples * (kBytesPerSample + more * kBytesPerNeighbour);
+}
+
+std::uint64_t available_bytes() {
+  std::ifstream meminfo("/proc/meminfo");
+  for (std::string key; meminfo >> key;) {
+    std::uint64_t kibibytes = 0;
+    if (key == "MemAvailable:" && meminfo >> kibibytes) return kibibytes << 10;
+    std::string rest_of_line;
+    std::getline(meminfo, rest_of_line);
+  }
+  return 0;
+}
+
+void require_memory_for(std::uint64_t samples, std::uint64_t limit, int neighbours) {
+  const std::uint64_t available = limit > 0 ? limit : available_bytes();
+  const std::uint64_t needed = estimated_peak_bytes(samples, neighbours);
+  if (available == 0 || needed <= available) return;
+  throw InvalidInput(
+      "reconstructing " + std::to_string(samples) + " points needs about " + in_gibibytes(needed) +
+      " of memory, and " + in_gibibytes(available) +
+      " are available: close other programs, or thin the cloud out (for example with a point cloud "
+      "simplification filter) and try again");
+}
+
+}  // namespace shrinkwrap

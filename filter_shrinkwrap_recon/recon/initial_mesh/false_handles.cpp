@@ -1,0 +1,191 @@
+#include "initial_mesh/false_handles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/parallel.h"
+#include "mesh/one_ring.h"
+#include "mesh/surface_loops.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr Index kGrain = 1 << 10;
+constexpr int kMostRounds = 4;  // loops that meet those of a round are cut in the next
+constexpr Index kUpdateInterval = 1 << 12;
+// Where a ball of this many edges more than that of a loop is a disc, no vertex so near to its
+// centre has a loop either.
+constexpr Index kClear = 2;
+constexpr std::size_t kMostOfBall = 1 << 12;
+
+// Samples that may bear out a loop: so many nearest to each of its vertices, so far from its plane
+// at most (x the mean length of its edges), that look to where the loop does (cosine, at least).
+constexpr int kNearest = 8;
+constexpr double kBeside = 0.6, kLooking = 0.5;
+
+// The plane of a loop of vertices.
+struct LoopFrame {
+  Vec3 middle = Vec3::Zero();
+  Vec3 axis = Vec3::Zero();  // unit; arbitrary, or zero, if the loop encloses no area
+  double mean_edge = 0.0;
+  bool is_around_hole = false;  // the surface looks towards the middle, not away from it
+};
+
+LoopFrame frame_of(const SurfaceMesh& mesh, const Loop& loop) {
+  const auto count = static_cast<double>(loop.size());
+  LoopFrame frame;
+  for (const Index v : loop) frame.middle += mesh.position[v] / count;
+  double outward = 0.0;
+  for (std::size_t k = 0; k < loop.size(); ++k) {
+    const Vec3 arm = mesh.position[loop[k]] - frame.middle;
+    const Vec3 next = mesh.position[loop[(k + 1) % loop.size()]] - frame.middle;
+    frame.axis += arm.cross(next);
+    frame.mean_edge += (next - arm).norm() / count;
+    outward += arm.dot(gather_one_ring(mesh, loop[k]).normal);
+  }
+  frame.axis.normalize();  // zero stays zero
+  frame.is_around_hole = outward < 0.0;
+  return frame;
+}
+
+class FalseHandles {
+ public:
+  FalseHandles(SurfaceMesh& mesh, const PointCloud& cloud, const FalseHandleOptions& options,
+               Progress& progress)
+      : mesh_(mesh), cloud_(cloud), options_(options), cosine_(mesh.position.size()) {
+    parallel_for_each(mesh.vertex_slots(), kGrain, progress,
+                      [&](Index v) { cosine_[v] = cosine_at(v); });
+  }
+
+  // Handles first: what is left of the loops are no handles, but may be mouths.
+  FalseHandleReport cut_all(Progress& progress) {
+    FalseHandleReport report;
+    std::vector<Loop> loops = find_loops(progress);
+    for (int round = 0; round < kMostRounds && !loops.empty(); ++round) {
+      std::vector<Loop> handles = loops;
+      keep_inseparable(mesh_, handles, progress);
+      if (handles.empty()) break;
+      cut(handles, progress);
+      report.handles += static_cast<Index>(handles.size());
+      loops = find_loops(progress);
+    }
+    if (loops.empty()) return report;
+    keep_mouths_of_cavities(mesh_, loops, samples_by_vertex(progress), options_.least_of_cavity,
+                            progress);
+    cut(loops, progress);
+    report.mouths = static_cast<Index>(loops.size());
+    return report;
+  }
+
+ private:
+  void cut(const std::vector<Loop>& loops, Progress& progress) {
+    if (loops.empty()) return;
+    const Index first_new = mesh_.vertex_slots();
+    cut_along(mesh_, loops, progress);
+    cosine_.resize(mesh_.position.size());
+    for (const Loop& loop : loops)
+      for (const Index v : loop) cosine_[v] = cosine_at(v);
+    for (Index v = first_new; v < mesh_.vertex_slots(); ++v) cosine_[v] = cosine_at(v);
+  }
+
+  // To how many samples each vertex is the nearest.
+  std::vector<Index> samples_by_vertex(Progress& progress) const {
+    const VoxelSearch vertices(mesh_.position, progress);
+    std::vector<Index> nearest(cloud_.position.size());
+    parallel_for_each(cloud_.size(), kGrain, progress,
+                      [&](Index i) { nearest[i] = vertices.nearest(cloud_.position[i]).index; });
+    std::vector<Index> samples(mesh_.position.size(), 0);
+    for (const Index v : nearest) ++samples[v];
+    return samples;
+  }
+
+  float cosine_at(Index v) const {
+    const Index nearest = cloud_.search.nearest(mesh_.position[v]).index;
+    return cloud_.normal[nearest].dot(gather_one_ring(mesh_, v).normal.cast<float>());
+  }
+
+  std::vector<Loop> find_loops(Progress& progress) const {
+    PathTree tree(mesh_);
+    std::vector<char> is_clear(cosine_.size(), 0);
+    std::vector<Loop> found;
+    for (Index v = 0; v < mesh_.vertex_slots(); ++v) {
+      if (v % kUpdateInterval == 0) progress.update(1.0);
+      // The vertex of a false loop where it agrees least.
+      if (cosine_[v] >= options_.least_cosine || is_clear[v]) continue;
+      if (clear_around(v, tree, is_clear, progress)) continue;
+      Loop loop = loop_in_ball(mesh_, tree, v, options_.radius, progress);
+      if (!loop.empty() && is_false(loop)) found.push_back(std::move(loop));
+    }
+    std::stable_sort(found.begin(), found.end(),
+                     [](const Loop& a, const Loop& b) { return a.size() < b.size(); });
+    DisjointLoops disjoint(mesh_, std::numeric_limits<Index>::max());
+    for (const Loop& loop : found) disjoint.add(loop);
+    return std::move(disjoint.loops);
+  }
+
+  bool clear_around(Index centre, PathTree& tree, std::vector<char>& is_clear,
+                    Progress& progress) const {
+    if (!tree.grow(mesh_, {centre}, options_.radius + kClear, kMostOfBall, progress) ||
+        !tree.is_disc(mesh_))
+      return false;
+    for (const Index v : tree.reached()) {
+      if (tree.distance(v) > kClear) break;
+      is_clear[v] = 1;
+    }
+    return true;
+  }
+
+  bool is_false(const Loop& loop) const {
+    return mean_cosine(loop) < options_.least_cosine && widest_gap(loop) > options_.widest_gap;
+  }
+
+  // Around the middle of a loop, between samples that bear it out.
+  double widest_gap(const Loop& loop) const {
+    const LoopFrame frame = frame_of(mesh_, loop);
+    if (frame.axis.isZero()) return 2.0 * kPi;
+    const Vec3 side = frame.axis.unitOrthogonal(), across = frame.axis.cross(side);
+    std::vector<double> directions;
+    std::vector<VoxelSearch::Hit> nearest;
+    for (const Index v : loop) {
+      cloud_.search.k_nearest(mesh_.position[v], kNearest, nearest);
+      for (const VoxelSearch::Hit& hit : nearest) {
+        const Vec3 offset = cloud_.position[hit.index] - frame.middle;
+        const double height = offset.dot(frame.axis);
+        if (std::abs(height) > kBeside * frame.mean_edge) continue;
+        const Vec3 arm = offset - height * frame.axis;
+        const double outward = arm.dot(cloud_.normal[hit.index].cast<double>());
+        if ((frame.is_around_hole ? -outward : outward) > kLooking * arm.norm())
+          directions.push_back(std::atan2(arm.dot(across), arm.dot(side)));
+      }
+    }
+    if (directions.empty()) return 2.0 * kPi;
+    std::sort(directions.begin(), directions.end());
+    double widest = directions.front() + 2.0 * kPi - directions.back();
+    for (std::size_t k = 1; k < directions.size(); ++k)
+      widest = std::max(widest, directions[k] - directions[k - 1]);
+    return widest;
+  }
+
+  double mean_cosine(const Loop& loop) const {
+    double sum = 0.0;
+    for (const Index v : loop) sum += cosine_[v];
+    return sum / static_cast<double>(loop.size());
+  }
+
+  SurfaceMesh& mesh_;
+  const PointCloud& cloud_;
+  const FalseHandleOptions& options_;
+  std::vector<float> cosine_;  // per vertex: of its normal and that of the nearest sample
+};
+
+}  // namespace
+
+FalseHandleReport cut_false_handles(SurfaceMesh& mesh, const PointCloud& cloud,
+                                    const FalseHandleOptions& options, Progress& progress) {
+  const FalseHandleReport report = FalseHandles(mesh, cloud, options, progress).cut_all(progress);
+  if (report.handles + report.mouths > 0) mesh.compact(progress);
+  return report;
+}
+
+}  // namespace shrinkwrap

@@ -1,0 +1,40 @@
+// Handles that no samples bear out: bridges between close parts, and tunnels through thin walls.
+#pragma once
+
+#include "mesh/surface_mesh.h"
+#include "samples/point_cloud.h"
+
+namespace shrinkwrap {
+
+struct FalseHandleOptions {
+  bool enabled = true;  ///< for the pipeline: cut any
+  /// A handle is false if the normals of a loop around or through it agree less, in the mean, with
+  /// those of the nearest samples: on the side of a bridge they are square to each other, around a
+  /// true limb or hole they are alike ...
+  double least_cosine = 0.5;
+  /// ... and if samples do not bear it out all around: seen from the middle of the loop there is a
+  /// wider gap (radians) between those near its plane that look away from the middle, where it lies
+  /// around a limb, or towards it, where it lies around a hole. In a hole hardly wider than a voxel
+  /// the nearest sample may be across it, and the normals of voxels tell little.
+  double widest_gap = kPi;
+  /// Loops of at most twice as many edges and one are looked at.
+  Index radius = 3;
+  Index least_of_cavity = 100;  ///< samples nearest to its wall, for its false mouth to be closed
+};
+
+struct FalseHandleReport {
+  Index handles = 0;  ///< cut
+  Index mouths = 0;   ///< of cavities, closed
+};
+
+/// Cuts false handles along such loops, and closes both sides of each with a fan: a bridge is
+/// severed, a tunnel filled. None of these cuts separates the surface. Tunnels that lead into a
+/// cavity are no handles; those that are false are closed at last, which parts the wall of the
+/// cavity from the surface outside. Necks between bodies stay, as thin rods of few samples look
+/// like false ones. Pre: a closed 2-manifold of even edges, about as long as the voxels' (the
+/// boundary of a solid), without removed slots; `orient_normals` was called on the cloud. Post: the
+/// same, in canonical order. O(V + N).
+FalseHandleReport cut_false_handles(SurfaceMesh& mesh, const PointCloud& cloud,
+                                    const FalseHandleOptions& options, Progress& progress);
+
+}  // namespace shrinkwrap

@@ -1,0 +1,40 @@
+// The place from which one scanner or camera saw all samples, told by how dense they are.
+#pragma once
+
+#include "samples/point_cloud.h"
+
+namespace shrinkwrap {
+
+struct StationOptions {
+  /// Less than so large a part of the spread of spacings is left once they are put down to the way
+  /// to the station. Of views of depth cameras and scanners 0.01 to 0.28 is. 0: no place is taken
+  /// for a station.
+  double most_spread_left = 0.5;
+  /// Less than so much, x what is left if they are put down to the way to the place opposite: a
+  /// sheet is as dense as seen from behind, too, if all of it is as far away.
+  double most_over_opposite = 0.5;
+  double most_hidden = 0.35;  ///< of the area; of a closed surface about half is
+  /// Length of the mean of the normals over the area, turned to the station, at least: that of what
+  /// closes around the station, as a room does, is none, and makes a body.
+  double least_sheet_normal = 0.3;
+};
+
+/// What part of the spread of spacings is left: the variance of their logarithms, each less that of
+/// distance / sqrt(cosine), over that of their logarithms; of samples seen at equal angles it is 0,
+/// and 1 or more if the way to the station tells nothing. Variances are those of the middle two
+/// thirds, which the rims of openings do not spoil. Not finite if a sixth of the samples is seen
+/// from the edge, or if all spacings are the same. O(N), parallel.
+double spread_left_from(const PointCloud& cloud, const Vec3& station, Progress& progress);
+
+/// The part of the area that lies behind other samples: within an angle of three of the median
+/// between neighbours, and with these as far off its plane. At the rims of what stands before
+/// something else samples count that are seen beside it. O(N log N).
+double part_hidden_from(const PointCloud& cloud, const Vec3& station, Progress& progress);
+
+/// Whether all samples were seen from a place, and are of a sheet. Pre: the cloud was prepared (the
+/// signs of its normals do not matter). `station`: unit frame. O(N), of those that may be views
+/// O(N log N).
+bool is_view_from(const PointCloud& cloud, const Vec3& station, const StationOptions& options,
+                  Progress& progress);
+
+}  // namespace shrinkwrap

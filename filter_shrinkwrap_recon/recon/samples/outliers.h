@@ -1,0 +1,81 @@
+// Stray points: found before orientation, left out of the surface, and reported.
+#pragma once
+
+#include <vector>
+
+#include "samples/point_cloud.h"
+
+namespace shrinkwrap {
+
+struct OutlierOptions {
+  bool exclude = true;  ///< off: every distinct sample is part of the surface
+
+  // What holds samples together, as in DBSCAN (Ester et al. 1996): core samples join sets, others
+  // belong to the sets near them. Reaches are x the smaller local spacing of two samples.
+  double reach = 2.5;            ///< between core samples
+  double reach_of_others = 3.0;  ///< from a core sample to one that is none
+  double reach_beyond = 1.5;     ///< from there to one further
+  Index smallest_set = 30;       ///< samples; a hundredth of all where that is less, at least 4
+  // A smaller set, as the last lines of a scan are, stays if it makes up the neighbourhoods of its
+  // samples, is as flat as a surface (`roughness`), as dense as the rest, and near for its width.
+  double spacing_of_flat_sets = 3.0;  ///< x median spacing, on average at most
+  double reach_of_flat_sets = 1.5;    ///< x width of the set: from samples that stay
+  /// No core sample has a spacing of more than this many times that of most of its neighbours ...
+  double least_alike = 1.5;
+  /// ... nor, if its spacing is more than this many times the median, may it be part of a haze of
+  /// stray points that hold each other together:
+  double sparse = 1.4;
+  double roughness =
+      0.23;           ///< mean deviation of neighbourhoods from their planes, x radius, at most
+  double gap = 1.25;  ///< distance from the nearest neighbour, x its spacing, at most
+
+  // A sample that nothing holds stays if it lies in the planes of its neighbours, or near enough in
+  // that of the nearest one that stays.
+  double slope = 0.25;  ///< height over the plane of a neighbour, x distance from it, at most
+  double reach_going_on = 2.0;  ///< x spacing of that one; the slope is of this too
+  double support = 0.6;         ///< part of the neighbours of which that is true, at least
+  // All planes go on beyond the edge of a sheet. A sample in those of its neighbours that is
+  // farther than `gap_at_edge` times the spacing of the nearest stays only if another, stray or
+  // not, lies on its other side, no farther than `reach_beyond_edge` times that distance, and about
+  // in that plane: surfaces turn on so long a way.
+  double gap_at_edge = 3.0;
+  double reach_beyond_edge = 2.0;
+  double slope_beyond_edge = 0.5;  ///< as `slope`
+
+  // A sample that is held is stray if it juts out of a patch that is flat without it.
+  double height = 2.5;             ///< over the plane of its neighbours, x their spacing, at least
+  double height_deviations = 7.0;  ///< x their own deviation from that plane, at least
+
+  /// Once there is a mesh through the others, outliers are samples again that are nearer to it than
+  /// so many times their distance from the nearest sample (outliers_on_surface.h).
+  double foot = 0.25;
+  double widest_gap = 4.0;  ///< that distance, x the larger of median and local spacing, at most
+
+  /// If more than this part of the samples seems stray, none is left out: what is so frequent is
+  /// how the cloud was taken.
+  double most = 0.2;
+  /// What is left is searched again, since stray points hide others, until nothing more is found.
+  int most_rounds = 6;
+};
+
+struct OutlierReport {
+  std::vector<Index> input_index;  ///< of the samples left out, ascending
+  Index suspected = 0;   ///< more than that if so many seemed stray that none was left out
+  int rounds = 0;        ///< of the search
+  Index on_surface = 0;  ///< that were left out, and are samples again: not among `input_index`
+};
+
+/// The stray samples of a cloud, ascending, found in one round. O(N) expected, parallel,
+/// the same for any number of threads.
+std::vector<Index> find_outliers(const PointCloud& cloud, const OutlierOptions& options,
+                                 Progress& progress);
+
+/// Leaves stray samples out of a cloud: it becomes what it would have been had the
+/// points never been there, but for `conditioning` and `input_index`, which still speak of all
+/// points. So the rest of the points alone gives the same cloud. Pre: `cloud` was prepared from
+/// `points`. Where no cloud would be left that has a surface (fewer than 4
+/// samples, all in one plane), nothing is left out.
+OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& points,
+                               const OutlierOptions& options, Progress& progress);
+
+}  // namespace shrinkwrap
