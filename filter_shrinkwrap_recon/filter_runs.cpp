@@ -9,9 +9,12 @@
 #include "common/memory_estimate.h"
 #include "common/parallel.h"
 #include "filter_log.h"
+#include "fit_surface.h"
 #include "geometry/coordinate_matches.h"
 #include "geometry/voxel_search.h"
 #include "initial_mesh/bounding_box_start.h"
+#include "match_cloud.h"
+#include "orient_and_smooth.h"
 #include "report/outliers_on_surface.h"
 #include "report/stage_qualities.h"
 

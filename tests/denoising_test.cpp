@@ -11,6 +11,7 @@
 #include <numeric>
 #include <string>
 
+#include "orient_and_smooth.h"
 #include "orientation/orientation.h"
 #include "reconstruct.h"
 #include "samples/noise.h"

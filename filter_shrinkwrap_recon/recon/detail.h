@@ -1,7 +1,7 @@
 // Detail that the control mesh has lost: the parametric surface is made anew of finer ones.
 #pragma once
 
-#include "reconstruct.h"
+#include "fit_surface.h"
 #include "stage_log.h"
 
 namespace shrinkwrap {

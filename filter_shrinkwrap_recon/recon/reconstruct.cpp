@@ -3,71 +3,24 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <cmath>
 
-#include "common/attempted.h"
 #include "common/freed_memory.h"
 #include "common/memory_estimate.h"
-#include "complete_matching/finish_matching.h"
-#include "complete_matching/near_copy_insertion.h"
 #include "detail.h"
-#include "geometry/coordinate_matches.h"
+#include "fit_surface.h"
 #include "initial_mesh/bounding_box_start.h"
-#include "mesh/bodies.h"
-#include "mesh/self_intersection.h"
-#include "report/outliers_on_surface.h"
+#include "match_cloud.h"
+#include "orient_and_smooth.h"
 #include "report/stage_qualities.h"
 #include "second_attempt.h"
 #include "stage_log.h"
-#include "stop_at_surface/membrane_stretching.h"
 
 namespace shrinkwrap {
 namespace {
 
-// Whether the surface is fitted to samples that are moved onto the one that they suggest.
-bool may_denoise(const ReconstructionOptions& options, double noise) {
-  return options.stop_at_parametric_surface && is_robust(options) &&
-         noise >= options.denoising.from;
-}
-
 bool are_of_single_precision(const std::vector<Vec3>& points) {
   return std::all_of(points.begin(), points.end(),
                      [](const Vec3& p) { return !p.allFinite() || rounded_to_single(p) == p; });
-}
-
-// Measures and orients the normals of a noisy cloud anew over wider neighbourhoods, moves its
-// samples onto the surface that they scatter about, and enlarges the voxels, the more so the
-// noisier the samples are.
-DenoisingReport smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise,
-                                 ReconstructionOptions& options, OrientationReport& orientation,
-                                 Progress& progress) {
-  constexpr double kWider = 1.0, kLargerVoxels = 0.35;
-  constexpr double kSharpenedFrom = 0.04;                 // noise that makes samples count as sharp
-  constexpr double kAttraction = 0.4, kRelaxation = 0.3;  // from one unit on
-  const NoiseOptions& limits = options.noise;
-  const double units = std::clamp((noise.upper_fifth - limits.smooth_from) / limits.smooth_unit,
-                                  0.0, std::max(limits.most_units, 0.0));
-  const int neighbours = options.samples.neighbours;
-  if (units > 0.0) {
-    const double widening = cloud.conditioning.on_lines ? 0.0 : kWider * units;
-    const int wider = static_cast<int>(std::lround(neighbours * (1.0 + widening)));
-    OrientationOptions orientation_options = options.orientation;
-    orientation_options.plane_neighbours = std::max(orientation_options.plane_neighbours, wider);
-    progress.set_part(0.2, 0.3);
-    measure_neighbourhoods(cloud, wider, progress);
-    progress.set_part(0.3, 0.45);
-    orientation = orient_normals(cloud, orientation_options, progress);
-  }
-  progress.set_part(0.45, 1.0);
-  const DenoisingReport report =
-      denoise(cloud, noise.median, neighbours, options.denoising, progress);
-  options.initial_mesh.voxel_size *= 1.0 + kLargerVoxels * units;
-  if (noise.median >= kSharpenedFrom) options.initial_mesh.voxel_ratio_for_detail = 0.0;
-  const double part = std::min(units, 1.0);
-  const auto towards = [&](double& value, double at_one) { value += part * (at_one - value); };
-  towards(options.parametric_surface.attraction, kAttraction);
-  towards(options.parametric_surface.relaxation, kRelaxation);
-  return report;
 }
 
 // From the cloud to the parametric surface.
@@ -297,230 +250,6 @@ bool is_robust(const ReconstructionOptions& options) {
 
 HostScalar host_scalar_for(const std::vector<Vec3>& points, const ReconstructionOptions& options) {
   return are_of_single_precision(points) ? options.host_scalar : HostScalar::double_precision;
-}
-
-CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
-                              Progress& progress) {
-  CloudReport report;
-  options.samples.neighbours = cloud.neighbour_count;  // more, if they would lie on lines
-  const bool may_smooth = options.stop_at_parametric_surface && is_robust(options);
-  if (may_smooth) {
-    progress.begin(Stage::orientation);
-    progress.set_part(0.0, 0.15);
-  }
-  report.orientation = orient_normals(cloud, options.orientation, progress);
-  if (may_smooth) progress.set_part(0.15, 0.2);
-  report.noise = estimate_noise(cloud, options.noise, progress);
-  if (report.noise.median > options.noise.high) {
-    options.initial_mesh.dense_spacing = options.initial_mesh.voxel_ratio_for_detail = 0.0;
-    if (options.initial_mesh.second_voxel_ratio > 0.0)
-      options.initial_mesh.second_voxel_ratio = options.noise.second_voxel_ratio;
-  }
-  if (may_denoise(options, report.noise.median) &&
-      report.noise.median >= options.denoising.before_initial_mesh_from)
-    report.denoising = smooth_for_noise(cloud, report.noise, options, report.orientation, progress);
-  return report;
-}
-
-FittedSurface fit_surface(SurfaceMesh control, const PointCloud& cloud,
-                          const ReconstructionOptions& options, Progress& progress) {
-  FittedSurface result;
-  const bool is_last = options.stop_at_parametric_surface;
-  progress.begin(Stage::parametric_surface);
-  if (is_last) progress.set_part(0.0, 0.8);
-  ParametricSurfaceOptions parametric = options.parametric_surface;
-  if (is_last) parametric.fine_enough = 0.0;  // as fine as samples would make it
-  result.surface = make_parametric_surface(std::move(control), cloud, parametric, progress);
-  SurfaceMesh& mesh = result.surface.mesh;
-  if (is_last) {
-    progress.set_part(0.8, 0.85);
-    result.membranes =
-        find_surface_membranes(mesh, mark_membranes(mesh, cloud, parametric, progress), cloud,
-                               options.complete_matching, progress);
-    stretch_membranes(mesh, result.membranes, progress);
-  }
-  round_to_host(mesh, cloud.frame, options.host_scalar);
-  if (!is_last) return result;
-  if (options.intersection_repair.enabled) {
-    progress.set_part(0.85, 0.95);
-    result.relaxation = relax_self_intersections(mesh, cloud.frame, options.host_scalar,
-                                                 options.relaxation, progress);
-  }
-  progress.set_part(0.95, 1.0);
-  measure_distances(result.surface, cloud, options.parametric_surface, progress);
-  return result;
-}
-
-namespace {
-
-// All the points, the samples among them where the host has them once they have moved.
-std::vector<Vec3> points_on_surface(const SamplesOnSurface& samples, const PointCloud& cloud,
-                                    const std::vector<Vec3>& points, HostScalar scalar) {
-  std::vector<Vec3> moved = points;
-  for (Index i = 0; i < cloud.size(); ++i) {
-    Vec3& p = moved[cloud.input_index[i]];
-    p = cloud.frame.to_input(samples.position[i]);
-    if (scalar == HostScalar::single_precision) p = rounded_to_single(p);
-  }
-  return moved;
-}
-
-SurfaceDetail displacements(const PointCloud& cloud, const std::vector<Vec3>& points,
-                            const std::vector<Vec3>& moved) {
-  SurfaceDetail detail;
-  for (const Index i : cloud.input_index) {
-    const double displacement =
-        (cloud.frame.to_unit(moved[i]) - cloud.frame.to_unit(points[i])).norm() / cloud.spacing;
-    detail.mean_displacement += displacement / static_cast<double>(cloud.size());
-    detail.max_displacement = std::max(detail.max_displacement, displacement);
-  }
-  return detail;
-}
-
-// Fills in `mesh` and the reports of `fitted` if the surface misses detail, and if the mesh of the
-// samples is no worse.
-bool match_on_surface(FittedSurface& fitted, PointCloud& cloud, const std::vector<Vec3>& points,
-                      double noise, const ReconstructionOptions& options, ResultMesh& mesh,
-                      Progress& progress) {
-  progress.begin(Stage::complete_matching);
-  progress.set_part(0.0, 0.3);
-  const SamplesOnSurface samples =
-      move_onto_surface(fitted.surface.mesh, cloud, noise, options.samples_on_surface, progress);
-  fitted.detail.upper_fifth = samples.upper_fifth;
-  fitted.detail.upper_twentieth = samples.upper_twentieth;
-  if (shows_its_samples(samples, noise, options.samples_on_surface)) return false;
-  const std::vector<Vec3> moved = points_on_surface(samples, cloud, points, options.host_scalar);
-  const std::vector<Vec3> kept = points_at(moved, cloud.input_index);
-  if (match_coordinates(kept, {}, progress).samples < cloud.size()) return false;
-
-  SurfaceDetail detail = displacements(cloud, points, moved);
-  detail.upper_fifth = samples.upper_fifth;
-  detail.upper_twentieth = samples.upper_twentieth;
-  undo_denoising(cloud, moved, options.samples.neighbours, options.orientation.plane_neighbours,
-                 progress);
-  std::vector<NearCopy> not_moved;
-  not_moved.swap(cloud.conditioning.near_copies);
-  bool is_better = false;
-  attempted([&] {  // there is the surface
-    progress.set_part(0.3, 1.0);
-    CompleteMatching matching =
-        match_samples(fitted.surface.mesh, cloud, options.complete_matching, progress);
-    OptimisedMesh optimised = optimise_matching(matching, cloud, moved, options, progress);
-    RelaxationReport& relaxation = fitted.relaxation;
-    RepairReport& repair = optimised.intersection_repair;
-    is_better = repair.faces_after <= relaxation.faces_after && optimised.extra_vertices == 0;
-    if (!is_better) return;
-    relaxation.faces_after = repair.faces_after;
-    relaxation.remaining_faces = std::move(repair.remaining_faces);
-    fitted.openings = optimised.openings;
-    mesh = std::move(optimised.mesh);
-  });
-  not_moved.swap(cloud.conditioning.near_copies);
-  if (!is_better) return false;
-  fitted.detail = detail;
-  fitted.detail.is_kept = true;
-  return true;
-}
-
-}  // namespace
-
-ResultMesh stop_at(FittedSurface& fitted, PointCloud& cloud, const std::vector<Vec3>& points,
-                   double noise, const ReconstructionOptions& options, Progress& progress) {
-  // Membranes that stay were stretched for what is here. Without repair nobody would know whether
-  // faces of the matching meet.
-  const bool are_left_open =
-      options.complete_matching.openings == CompleteMatchingOptions::Openings::leave_open;
-  if (cloud.is_denoised() && options.intersection_repair.enabled &&
-      (fitted.membranes.empty() || are_left_open)) {
-    ResultMesh matched;
-    if (match_on_surface(fitted, cloud, points, noise, options, matched, progress)) return matched;
-  }
-  progress.begin(Stage::parametric_surface);
-  progress.set_part(1.0, 1.0);
-  SurfaceMesh& surface = fitted.surface.mesh;
-  const SurfaceOpenings openings = cut_surface_openings(surface, fitted.membranes, progress);
-  const std::vector<Index>& dropped = openings.opening_faces;
-  if (static_cast<Index>(dropped.size()) == surface.face_count())
-    throw ReconstructionFailed(
-        "nothing but openings: no part of the surface has samples on its outer side. Close the "
-        "openings in place of leaving them open.");
-  if (!dropped.empty()) round_to_host(surface, cloud.frame, options.host_scalar);
-  turn_outward(surface, dropped, progress);
-  ResultMesh mesh = to_result(surface, cloud.frame, progress);
-  drop_faces(mesh, dropped, progress);
-  mesh.face_quality = spanning_lengths(mesh, indices_after_drop(openings.spanning_faces, dropped),
-                                       cloud.frame.to_input_length(cloud.spacing));
-  fitted.openings = openings.report;
-  for (const float length : mesh.face_quality)
-    fitted.openings.longest_edge =
-        std::max(fitted.openings.longest_edge, static_cast<double>(length));
-  if (!dropped.empty() && options.intersection_repair.enabled) {
-    RelaxationReport& relaxation = fitted.relaxation;
-    relaxation.remaining_faces = self_intersecting_faces(mesh.position, mesh.triangles, progress);
-    relaxation.faces_after = static_cast<Index>(relaxation.remaining_faces.size());
-  }
-  return mesh;
-}
-
-CompleteMatching match_cloud(SurfaceMesh parametric, PointCloud& cloud, OutlierReport& outliers,
-                             const std::vector<Vec3>& points, const ReconstructionOptions& options,
-                             Progress& progress) {
-  if (outliers.input_index.empty())
-    return match_samples(std::move(parametric), cloud, options.complete_matching, progress);
-  progress.begin(Stage::complete_matching);
-  progress.set_part(0.0, 0.5);
-  CompleteMatching matching = match_samples(parametric, cloud, options.complete_matching, progress);
-  if (keep_outliers_on_surface(cloud, outliers, points, matching.mesh, options.outliers,
-                               progress) == 0)
-    return matching;
-  progress.set_part(0.5, 1.0);
-  return match_samples(std::move(parametric), cloud, options.complete_matching, progress);
-}
-
-OptimisedMesh optimise_matching(CompleteMatching& matching, const PointCloud& cloud,
-                                const std::vector<Vec3>& points,
-                                const ReconstructionOptions& options, Progress& progress) {
-  OptimisedMesh result;
-  progress.begin(Stage::edge_optimisation);
-  progress.set_part(0.0, 0.05);
-  result.openings = decide_openings(matching, cloud, options.complete_matching, progress);
-  progress.set_part(0.05, 0.5);
-  result.edge_optimisation =
-      optimise_edges(matching.mesh, options.edge_optimisation, progress, matching.spanning_faces);
-  progress.set_part(0.5, 0.8);
-  RepairReport& repair = result.intersection_repair;
-  if (options.intersection_repair.enabled) {
-    FinishReport finish = finish_matching(matching, cloud, options.host_scalar,
-                                          options.intersection_repair, result.openings, progress);
-    repair = std::move(finish.repair);
-    result.removed_extra = finish.removed_extra;
-  }
-  result.extra_vertices = extra_vertices_kept(matching.mesh, cloud.size(), matching.opening_faces);
-  if (!cloud.conditioning.near_copies.empty()) {
-    insert_near_copies(matching, cloud, points, progress);
-    if (options.intersection_repair.enabled)
-      repair.add(repair_self_intersections(matching.mesh, options.intersection_repair, progress,
-                                           matching.opening_faces, &matching.spanning_faces));
-  }
-  progress.set_part(0.8, 0.85);
-  const std::vector<Index>& dropped = matching.opening_faces;
-  turn_outward(matching.mesh, dropped, progress);
-  progress.set_part(0.85, 1.0);
-  result.mesh = to_result(matching, cloud, points, progress);
-  drop_faces(result.mesh, dropped, progress);
-  repair.remaining_faces = indices_after_drop(repair.remaining_faces, dropped);
-  result.mesh.face_quality =
-      spanning_lengths(result.mesh, indices_after_drop(matching.spanning_faces, dropped),
-                       cloud.frame.to_input_length(cloud.spacing));
-  // The repair counts in the unit frame. Vertices may have been rounded on their way into it, or,
-  // those that are no samples, out of it.
-  if (options.intersection_repair.enabled &&
-      (result.extra_vertices > 0 || !is_exact_in_unit_frame(cloud, points, progress))) {
-    repair.remaining_faces =
-        self_intersecting_faces(result.mesh.position, result.mesh.triangles, progress);
-    repair.faces_after = static_cast<Index>(repair.remaining_faces.size());
-  }
-  return result;
 }
 
 PromiseOptions promise_of(const ReconstructionOptions& options) {

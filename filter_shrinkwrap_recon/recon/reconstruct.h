@@ -6,7 +6,6 @@
 
 #include "complete_matching/complete_matching.h"
 #include "complete_matching/openings.h"
-#include "complete_matching/surface_openings.h"
 #include "edge_optimisation/edge_optimisation.h"
 #include "edge_optimisation/intersection_repair.h"
 #include "initial_mesh/initial_mesh.h"
@@ -150,78 +149,9 @@ struct Reconstruction {
 Reconstruction reconstruct(const std::vector<Vec3>& points, const ReconstructionOptions& options,
                            Progress& progress);
 
-struct CloudReport {
-  OrientationReport orientation;
-  NoiseEstimate noise;
-  DenoisingReport denoising;  ///< none moved if they are left as they are
-};
-
-/// Orients the normals and estimates the noise. Above `options.noise.high` handles are to be
-/// refuted by larger voxels, and no voxels are smaller. If the run stops at the parametric surface,
-/// and there is enough noise (DenoisingOptions), then the samples are moved onto the
-/// surface that they scatter about, with normals of neighbourhoods that are the wider the noisier
-/// the samples are, and `options` of the later stages are changed to suit (larger voxels; see
-/// NoiseOptions). A chain of stages gives the same as `reconstruct` if each that needs normals
-/// begins with this; if the smoothed surface is taken (see SecondAttempt), with
-/// `stop_at_parametric_surface` set and `before_initial_mesh_from` 0, and the matching then goes on
-/// with `undo_denoising`; if the run stops at the surface of a clean cloud, so from the parametric
-/// surface on; if backs are openings, with `backs_are_openings`; if the surface was made anew, with
-/// `target_vertices` of the control mesh that stayed. Pre: the cloud was prepared with
-/// `options.samples`.
-CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
-                              Progress& progress);
-
 /// The scalar to which intermediate meshes are rounded: the options', or double precision if single
 /// cannot hold the points.
 HostScalar host_scalar_for(const std::vector<Vec3>& points, const ReconstructionOptions& options);
-
-struct FittedSurface {
-  ParametricSurface surface;
-  std::vector<SurfaceMembrane> membranes;  ///< where the run stops at the surface
-  RelaxationReport relaxation;
-  OpeningsReport openings;  ///< that `stop_at` made
-  SurfaceDetail detail;     ///< that `stop_at` kept, or measured
-};
-
-/// Makes the parametric surface, closed, and rounds it to `options.host_scalar`. Where the run
-/// stops at it, the membranes that are to stay are stretched and faces that meet others are
-/// smoothed apart, and both reports are of that.
-FittedSurface fit_surface(SurfaceMesh control, const PointCloud& cloud,
-                          const ReconstructionOptions& options, Progress& progress);
-
-/// Such a surface as a result, with its openings as the options said: face quality as in
-/// Reconstruction. Fills in `openings`, and counts anew which faces meet if some were dropped.
-/// Of a denoised cloud without openings, or if these are left open, that is farther from the
-/// surface than noise explains (SamplesOnSurfaceOptions), the result is instead the complete
-/// matching of the samples, which have moved onto it but for the detail; not if that had more faces
-/// that meet others or vertices that are no samples, nor without `intersection_repair`, which
-/// counts them. Fills in `detail` too; the cloud then has the samples where they have moved, in the
-/// same order. `points`: those that the cloud is of. `noise`: of `estimate_noise`. Throws
-/// ReconstructionFailed if all faces would be dropped.
-ResultMesh stop_at(FittedSurface& fitted, PointCloud& cloud, const std::vector<Vec3>& points,
-                   double noise, const ReconstructionOptions& options, Progress& progress);
-
-/// `match_samples`; if some of the outliers lie on the mesh, they become samples of the cloud, and
-/// the surface is matched once more (outliers_on_surface.h). `points`: those that the cloud is of.
-CompleteMatching match_cloud(SurfaceMesh parametric, PointCloud& cloud, OutlierReport& outliers,
-                             const std::vector<Vec3>& points, const ReconstructionOptions& options,
-                             Progress& progress);
-
-struct OptimisedMesh {
-  ResultMesh mesh;  ///< in the caller's frame, with face qualities as Reconstruction::mesh has them
-  OpeningsReport openings;
-  EdgeOptimisationReport edge_optimisation;
-  RepairReport intersection_repair;  ///< `faces_after` and `remaining_faces` are of `mesh`
-  Index removed_extra = 0;           ///< vertices that are no sample, removed by the repair
-  Index extra_vertices = 0;          ///< that stay
-};
-
-/// From the complete matching to the mesh: decides on the openings, chooses the edges, parts faces
-/// that meet others if `options` say so, and leaves out the faces of what stays open. `matching` is
-/// brought up to date, but for the faces left out. `points` are those that the cloud is of.
-OptimisedMesh optimise_matching(CompleteMatching& matching, const PointCloud& cloud,
-                                const std::vector<Vec3>& points,
-                                const ReconstructionOptions& options, Progress& progress);
 
 /// What a run with these options promises of its mesh.
 PromiseOptions promise_of(const ReconstructionOptions& options);
