@@ -8,6 +8,7 @@
 
 #include "common/memory_estimate.h"
 #include "common/parallel.h"
+#include "complete_matching/outliers_on_surface.h"
 #include "filter_log.h"
 #include "fit_surface.h"
 #include "geometry/coordinate_matches.h"
@@ -15,7 +16,6 @@
 #include "initial_mesh/bounding_box_start.h"
 #include "match_cloud.h"
 #include "orient_and_smooth.h"
-#include "report/outliers_on_surface.h"
 #include "report/stage_qualities.h"
 
 namespace shrinkwrap {

@@ -1,6 +1,6 @@
 // Handles cut to keep to a genus that the user imposes, and handles that a second voxel size
 // refutes.
-#include "mesh/genus_limit.h"
+#include "initial_mesh/genus_limit.h"
 
 #include <gtest/gtest.h>
 

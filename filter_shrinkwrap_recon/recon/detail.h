@@ -2,6 +2,7 @@
 #pragma once
 
 #include "fit_surface.h"
+#include "reconstruct.h"
 #include "stage_log.h"
 
 namespace shrinkwrap {

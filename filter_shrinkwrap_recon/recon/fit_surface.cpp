@@ -1,6 +1,7 @@
 #include "fit_surface.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/attempted.h"
 #include "geometry/coordinate_matches.h"

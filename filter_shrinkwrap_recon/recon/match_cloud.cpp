@@ -1,10 +1,12 @@
 #include "match_cloud.h"
 
+#include <utility>
+
 #include "complete_matching/finish_matching.h"
 #include "complete_matching/near_copy_insertion.h"
+#include "complete_matching/outliers_on_surface.h"
 #include "mesh/bodies.h"
 #include "mesh/self_intersection.h"
-#include "report/outliers_on_surface.h"
 #include "report/stage_qualities.h"
 
 namespace shrinkwrap {

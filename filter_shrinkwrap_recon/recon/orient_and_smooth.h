@@ -16,8 +16,10 @@ struct CloudReport {
 bool may_denoise(const ReconstructionOptions& options, double noise);
 
 /// Measures and orients the normals of a noisy cloud anew over wider neighbourhoods, moves its
-/// samples onto the surface that they scatter about, and enlarges the voxels of `options`, the more
-/// so the noisier the samples are. `orientation` becomes that of the new normals, if there are any.
+/// samples onto the surface that they scatter about, and changes `options` of the later stages to
+/// suit (larger voxels, none smaller for detail, a surface that follows the samples less closely),
+/// the more so the noisier the samples are. `orientation` becomes that of the new normals, if there
+/// are any. Pre: `progress` is in Stage::orientation.
 DenoisingReport smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise,
                                  ReconstructionOptions& options, OrientationReport& orientation,
                                  Progress& progress);

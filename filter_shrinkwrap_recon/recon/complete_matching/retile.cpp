@@ -7,8 +7,8 @@
 #include "complete_matching/insert_feet.h"
 #include "complete_matching/membranes.h"
 #include "complete_matching/openings.h"
+#include "complete_matching/vertex_removal.h"
 #include "mesh/delaunay_flips.h"
-#include "mesh/vertex_removal.h"
 #include "parametric_surface/sample_feet.h"
 
 namespace shrinkwrap {

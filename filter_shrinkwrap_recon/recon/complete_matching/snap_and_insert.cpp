@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "common/parallel.h"
+#include "complete_matching/vertex_removal.h"
 #include "mesh/delaunay_flips.h"
 #include "mesh/face_tree.h"
 #include "mesh/vertex_blocks.h"
-#include "mesh/vertex_removal.h"
 #include "parametric_surface/sample_feet.h"
 
 namespace shrinkwrap {

@@ -1,4 +1,4 @@
-#include "report/outliers_on_surface.h"
+#include "complete_matching/outliers_on_surface.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "mesh/genus_limit.h"
+#include "initial_mesh/genus_limit.h"
 
 #include <algorithm>
 

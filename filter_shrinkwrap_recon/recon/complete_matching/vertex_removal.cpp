@@ -1,4 +1,4 @@
-#include "mesh/vertex_removal.h"
+#include "complete_matching/vertex_removal.h"
 
 #include "geometry/triangle_geometry.h"
 #include "mesh/collapse_rating.h"
