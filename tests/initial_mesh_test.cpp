@@ -281,10 +281,10 @@ TEST(InitialMesh, VoxelsOfSheetsAreNoSmaller) {
 
 TEST(InitialMesh, LargerVoxelsRefuteHandlesOfSmaller) {
   Index refuted = 0;
-  for (unsigned seed = 1; seed <= 40; ++seed) {
+  for (unsigned seed = 1; seed <= 80; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const PointCloud cloud =
-        cloud_with_askew_normals(sample_shape(ShapeKind::thin_plate, 500, seed), 2);
+        cloud_with_askew_normals(sample_shape(ShapeKind::thin_plate, 800, seed), 2);
     const InitialMesh mesh = initial_mesh_of(cloud);
     EXPECT_EQ(mesh.report.genus, 0);
     if (mesh.report.is_of_detail_size) continue;

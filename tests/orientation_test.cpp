@@ -256,11 +256,11 @@ TEST(Orientation, CoarseViewsDoNotTurnTheInsideOfACup) {
     return wrong;
   };
   OrientationOptions options;
-  options.propagation_samples = 2000;
+  options.propagation_samples = 700;
   EXPECT_LT(count_wrong(options), 100);
   options.disputes.most_objections = 1e9;
   EXPECT_LT(count_wrong(options), 100);
-  options.judging_samples = 2000;
+  options.judging_samples = 700;
   EXPECT_GT(count_wrong(options), 5000);
 }
 

@@ -73,6 +73,41 @@ TEST(Visibility, NothingIsSeenThroughAParallelSheet) {
   EXPECT_GT(votes_on_all(cloud, 1.0 / kWidth)[kMiddle].seen, 0.55 * below.possible);
 }
 
+// The sheet in front is bent otherwise where a slanting view meets it.
+TEST(Visibility, NothingIsSeenThroughACorrugatedWall) {
+  constexpr double kSpacing = 1.0 / kWidth, kWave = 20.0 * kSpacing, kHeight = 1.4 * kSpacing;
+  const double circle = 2.0 * std::acos(-1.0);
+  PointCloud cloud;
+  add_square(cloud, 0.0, kWidth);
+  add_square(cloud, 3.0 * kSpacing, kWidth);
+  for (Index i = 0; i < cloud.size(); ++i) {
+    Vec3& p = cloud.position[i];
+    const double phase = circle * p.x() / kWave;
+    p.z() += kHeight * std::sin(phase);
+    const Vec3 normal(-kHeight * circle / kWave * std::cos(phase), 0.0, 1.0);
+    cloud.normal[i] = normal.normalized().cast<float>();
+  }
+  const std::vector<VisibilityVote> votes = votes_on_all(cloud, kSpacing);
+  VisibilityVote below;
+  for (Index i = 0; i < kWidth * kWidth; ++i)
+    if ((cloud.position[i] - Vec3(0.5, 0.5, 0.0)).head<2>().cwiseAbs().maxCoeff() < 0.25)
+      below.add(votes[i]);
+  EXPECT_GT(below.seen, 0.4 * below.possible);
+  EXPECT_NEAR(below.outward, -below.seen, 1e-3 * below.possible) << "from below alone";
+}
+
+TEST(Visibility, ABentSheetDoesNotHideItself) {
+  PointCloud cloud;
+  for (const Vec3& p : sample_shape_blue_noise(ShapeKind::sphere, 320, 1)) {
+    cloud.position.push_back(p);
+    cloud.normal.push_back(p.cast<float>());
+  }
+  VisibilityVote sum;
+  for (const VisibilityVote& vote : votes_on_all(cloud, 0.2)) sum.add(vote);
+  EXPECT_GT(sum.seen, 0.49 * sum.possible) << "from its side of the world";
+  EXPECT_GT(sum.majority(), 0.48);
+}
+
 // Nearer than the noise that each sheet may have, they are told apart by their components alone.
 TEST(Visibility, TellsWhatIsSeenThroughAnotherComponent) {
   PointCloud cloud;

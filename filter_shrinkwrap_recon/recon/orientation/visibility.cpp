@@ -15,8 +15,7 @@ constexpr double kPixelsPerSample = 16.0;  // at most
 constexpr double kSeenOpenly = 0.25;       // part of the views on one side
 // Mean closedness up to which samples are of an open sheet, and from which on they are of a body.
 constexpr double kSheet = 0.3, kBody = 0.6;
-constexpr float kParallel = 0.9f;  // cosine of the normals of parallel sheets
-constexpr float kBend = 0.05f;     // of one sheet within a splat: height x distance
+constexpr float kLeastCosine = 0.8f;  // of the normals of sheets one behind the other
 constexpr float kNothing = -std::numeric_limits<float>::infinity();
 
 // Directions spread evenly over the sphere along a spiral (the golden angle between neighbours).
@@ -105,10 +104,13 @@ VisibilityVote vote_of(double possible, double in_front, double behind, double f
           possible * std::max(0.0, 1.0 - 2.0 * less / (kSeenOpenly * possible)), foremost};
 }
 
-// Whether a sample, such a `way` before another, is of another sheet, parallel to that of this one.
+// Whether a sample, such a `way` before another, is of another sheet, along that of this one. From
+// sample to sample of one sheet, however it bends, the way is square to the mean of their normals.
 bool is_wall(const Vec3f& way, const Vec3f& normal, const Vec3f& foremost, float tolerance) {
-  return std::abs(normal.dot(foremost)) > kParallel &&
-         std::abs(normal.dot(way)) > tolerance + kBend * way.norm();
+  const float cosine = normal.dot(foremost);
+  if (!(std::abs(cosine) > kLeastCosine)) return false;
+  const Vec3f sum = cosine > 0.0f ? Vec3f(normal + foremost) : Vec3f(normal - foremost);
+  return std::abs(sum.dot(way)) > tolerance * sum.norm();
 }
 
 }  // namespace

@@ -46,10 +46,10 @@ struct VisibilityOptions {
 /// hold at most a fixed multiple of the samples drawn (then the pixel is enlarged).
 ///
 /// In slanting views the tolerance is several pixels, more than many a wall is thick. So a sample
-/// is hidden by a foremost one that is of a sheet parallel to its own, farther from its plane than
-/// the tolerance of a view from above. With a component for each sample of the cloud, `foremost`
-/// leaves out what is seen only through others nevertheless; without, it is `seen`.
-/// O(directions x drawn); the same for any number of threads.
+/// is hidden by a foremost one of a sheet along its own, if that is farther off, measured along the
+/// mean of the two normals, than the tolerance of a view from above. With a component for each
+/// sample of the cloud, `foremost` leaves out what is seen only through others nevertheless;
+/// without, it is `seen`. O(directions x drawn); the same for any number of threads.
 std::vector<VisibilityVote> visibility_votes(
     const PointCloud& cloud, const std::vector<Index>& drawn, const VisibilityOptions& options,
     Progress& progress, const std::vector<Index>* component_of_sample = nullptr);
