@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "shapes.h"
@@ -68,23 +69,23 @@ TEST(Visibility, NothingIsSeenThroughAParallelSheet) {
   const VisibilityVote below = votes_on_all(cloud, 1.0 / kWidth)[kMiddle];
   EXPECT_NEAR(below.seen, 0.5 * below.possible, 0.02 * below.possible) << "from below";
   EXPECT_NEAR(below.majority(), -0.5, 0.02);
-  // What stands square to a sheet, or is bent, does not hide what lies beside it.
+  // What stands square to a sheet does not hide what lies beside it.
   for (Index i = kWidth * kWidth; i < cloud.size(); ++i) cloud.normal[i] = Vec3f::UnitX();
   EXPECT_GT(votes_on_all(cloud, 1.0 / kWidth)[kMiddle].seen, 0.55 * below.possible);
 }
 
 // The sheet in front is bent otherwise where a slanting view meets it.
 TEST(Visibility, NothingIsSeenThroughACorrugatedWall) {
-  constexpr double kSpacing = 1.0 / kWidth, kWave = 20.0 * kSpacing, kHeight = 1.4 * kSpacing;
-  const double circle = 2.0 * std::acos(-1.0);
+  constexpr double kSpacing = 1.0 / kWidth, kHeight = 1.4 * kSpacing;
+  constexpr double kPerLength = 2.0 * kPi / (20.0 * kSpacing);  // of the phase
   PointCloud cloud;
   add_square(cloud, 0.0, kWidth);
   add_square(cloud, 3.0 * kSpacing, kWidth);
   for (Index i = 0; i < cloud.size(); ++i) {
     Vec3& p = cloud.position[i];
-    const double phase = circle * p.x() / kWave;
+    const double phase = kPerLength * p.x();
     p.z() += kHeight * std::sin(phase);
-    const Vec3 normal(-kHeight * circle / kWave * std::cos(phase), 0.0, 1.0);
+    const Vec3 normal(-kHeight * kPerLength * std::cos(phase), 0.0, 1.0);
     cloud.normal[i] = normal.normalized().cast<float>();
   }
   const std::vector<VisibilityVote> votes = votes_on_all(cloud, kSpacing);

@@ -15,7 +15,7 @@ constexpr double kPixelsPerSample = 16.0;  // at most
 constexpr double kSeenOpenly = 0.25;       // part of the views on one side
 // Mean closedness up to which samples are of an open sheet, and from which on they are of a body.
 constexpr double kSheet = 0.3, kBody = 0.6;
-constexpr float kLeastCosine = 0.8f;  // of the normals of sheets one behind the other
+constexpr float kAlong = 0.8f;  // cosine of the normals of sheets along each other
 constexpr float kNothing = -std::numeric_limits<float>::infinity();
 
 // Directions spread evenly over the sphere along a spiral (the golden angle between neighbours).
@@ -108,7 +108,7 @@ VisibilityVote vote_of(double possible, double in_front, double behind, double f
 // sample to sample of one sheet, however it bends, the way is square to the mean of their normals.
 bool is_wall(const Vec3f& way, const Vec3f& normal, const Vec3f& foremost, float tolerance) {
   const float cosine = normal.dot(foremost);
-  if (!(std::abs(cosine) > kLeastCosine)) return false;
+  if (!(std::abs(cosine) > kAlong)) return false;
   const Vec3f sum = cosine > 0.0f ? Vec3f(normal + foremost) : Vec3f(normal - foremost);
   return std::abs(sum.dot(way)) > tolerance * sum.norm();
 }
