@@ -50,7 +50,7 @@ TEST(PlaneField, AddsUpEverySampleThatReachesAVoxel) {
   const PointCloud cloud = uneven_cloud(500, 1);
   const VoxelLattice lattice = lattice_for(cloud);
   for (const double least_spacing : {0.5, 1.0}) {
-    const PlaneFieldOptions options{2.5, least_spacing};
+    const PlaneFieldOptions options{2.5, least_spacing, least_spacing == 1.0 ? 0.0 : 2.0};
     const PlaneField field(cloud, lattice, options, silent);
     Random random(2);
     int reached = 0;
@@ -66,8 +66,11 @@ TEST(PlaneField, AddsUpEverySampleThatReachesAVoxel) {
           if (from.norm() > of.reach) continue;
           const double weight = std::pow(1.0 - from.squaredNorm() / (of.reach * of.reach), 5.0);
           weight_sum += weight;
-          distance_sum += weight * from.dot(cloud.normal[i].cast<double>()) / of.spacing;
-          nearest = std::min(nearest, from.squaredNorm() / (of.spacing * of.spacing));
+          const double height = from.dot(cloud.normal[i].cast<double>());
+          distance_sum += weight * height / of.spacing;
+          const double along_squared = from.squaredNorm() - height * height;
+          nearest = std::min(nearest, (height * height + (1.0 + options.sideways) * along_squared) /
+                                          (of.spacing * of.spacing));
         }
         reached += weight_sum > 0.01;
         EXPECT_NEAR(planes.weight_sum[offset], weight_sum, 1e-4);

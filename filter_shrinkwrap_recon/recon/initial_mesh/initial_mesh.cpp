@@ -27,6 +27,7 @@ constexpr double kSupportReach = 3.0;  // x size of a voxel
 // A sample is sharp if the normal of one of so many beside it makes a smaller cosine with its own.
 constexpr int kNearestSamples = 6;
 constexpr float kSharpCosine = 0.7071f;
+constexpr float kFacingCosine = -0.5f;    // of the normals of sheets that face each other
 constexpr double kLeastClosedness = 0.5;  // of clouds whose samples may be few for the shape
 
 // Shrinks the mesh towards the planes of the samples of its own side, all vertices at once (eq.
@@ -63,21 +64,45 @@ void shrink(SurfaceMesh& mesh, const PointCloud& cloud, const InitialMeshOptions
   }
 }
 
+// Whether there is solid at one of some heights above a sample, x s.
+bool has_solid_at(std::initializer_list<double> heights, const PointCloud& cloud, Index i,
+                  const VoxelSolid& solid) {
+  const Vec3 unit = cloud.spacing * cloud.normal[i].cast<double>();
+  return std::any_of(heights.begin(), heights.end(), [&](double height) {
+    return solid.contains(cloud.position[i] + height * unit);
+  });
+}
+
+template <class IsCounted>
+double fraction_of_samples(const PointCloud& cloud, const IsCounted& is_counted,
+                           Progress& progress) {
+  const Index count =
+      parallel_sum(cloud.size(), kGrain, progress, Index{0}, [&](Index begin, Index end) {
+        Index found = 0;
+        for (Index i = begin; i < end; ++i) found += is_counted(i);
+        return found;
+      });
+  return static_cast<double>(count) / cloud.size();
+}
+
 double fraction_with_solid_behind(const PointCloud& cloud, const VoxelSolid& solid,
                                   Progress& progress) {
-  const Index supported =
-      parallel_sum(cloud.size(), kGrain, progress, Index{0}, [&](Index begin, Index end) {
-        Index count = 0;
-        for (Index i = begin; i < end; ++i)
-          for (double depth = 1.0; depth <= 3.0; depth += 0.5)
-            if (solid.contains(cloud.position[i] -
-                               depth * cloud.spacing * cloud.normal[i].cast<double>())) {
-              ++count;
-              break;
-            }
-        return count;
-      });
-  return static_cast<double>(supported) / cloud.size();
+  const auto has_solid_behind = [&](Index i) {
+    return has_solid_at({-1.0, -1.5, -2.0, -2.5, -3.0}, cloud, i, solid);
+  };
+  return fraction_of_samples(cloud, has_solid_behind, progress);
+}
+
+// See InitialMeshReport::grown_together.
+double fraction_grown_together(const PointCloud& cloud, const VoxelSolid& solid,
+                               Progress& progress) {
+  const auto is_grown_together = [&](Index i) {
+    if (!has_solid_at({1.5, 2.0}, cloud, i, solid)) return false;
+    const Vec3 across = cloud.position[i] + 2.0 * cloud.spacing * cloud.normal[i].cast<double>();
+    const Index facing = cloud.search.nearest(across).index;
+    return cloud.normal[facing].dot(cloud.normal[i]) < kFacingCosine;
+  };
+  return fraction_of_samples(cloud, is_grown_together, progress);
 }
 
 // Half of the samples are with components that have at least so many.
@@ -172,6 +197,7 @@ class SolidBoundary {
   InitialMesh finish(Progress& progress) && {
     cut_what_is_false(progress);
     result_.report.samples_with_solid_behind = fraction_with_solid_behind(cloud_, solid_, progress);
+    result_.report.grown_together = fraction_grown_together(cloud_, solid_, progress);
     if (result_.mesh.face_count() == 0) {
       solid_.image.mask = solid_.near_samples;
       solid_.image.mask.resize(static_cast<std::size_t>(solid_.image.bricks.size()), 0);
@@ -259,26 +285,32 @@ InitialMesh boundary_with_fewer_handles(InitialMesh first, const PointCloud& clo
   return std::move(*second);
 }
 
-// Where there are several bodies already, others may have grown together that smaller voxels tell
-// apart.
+// Bodies may have grown together that smaller voxels tell apart, and ever smaller ones as long as
+// they tell more.
 InitialMesh boundary_with_more_bodies(InitialMesh first, const PointCloud& cloud,
-                                      const WindingNumber& winding,
-                                      const InitialMeshOptions& options, Progress& progress) {
-  if (first.report.components < 2 || first.report.voxels_are_larger ||
-      options.voxel_ratio_for_bodies <= 0.0)
+                                      const WindingNumber& winding, InitialMeshOptions options,
+                                      Progress& progress) {
+  options.sideways = options.sideways_for_bodies;
+  const double per_attempt = options.voxel_ratio_for_bodies;
+  if (per_attempt <= 0.0 || per_attempt >= 1.0 || first.report.voxels_are_larger ||
+      cloud.closedness < kLeastClosedness)
     return first;
-  std::optional<InitialMesh> second =
-      try_boundary(cloud, winding, options, options.voxel_ratio_for_bodies,
-                   first.report.components + 1, progress);
-  if (!second) return first;
-  const InitialMeshReport &a = first.report, &b = second->report;
-  const bool is_as_sound = b.genus <= a.genus && b.false_handles <= a.false_handles &&
-                           b.cavities == a.cavities && b.dropped <= a.dropped &&
-                           b.samples_with_solid_behind >= a.samples_with_solid_behind;
-  if (b.components <= a.components || !is_as_sound) return first;
-  second->report.handles_refuted = first.report.handles_refuted;
-  second->report.bodies_parted = b.components - a.components;
-  return std::move(*second);
+  for (double ratio = per_attempt; first.report.grown_together > 0.0; ratio *= per_attempt) {
+    std::optional<InitialMesh> second =
+        try_boundary(cloud, winding, options, ratio, first.report.components + 1, progress);
+    if (!second) break;
+    const InitialMeshReport &a = first.report, &b = second->report;
+    const Index more = b.components - a.components;
+    const double lost = (a.samples_with_solid_behind - b.samples_with_solid_behind) * cloud.size();
+    const bool is_as_sound = b.genus <= a.genus && b.false_handles <= a.false_handles &&
+                             b.cavities == a.cavities && b.dropped <= a.dropped &&
+                             lost < more - 0.5;
+    if (more <= 0 || !is_as_sound) break;
+    second->report.handles_refuted = a.handles_refuted;
+    second->report.bodies_parted = a.bodies_parted + more;
+    first = std::move(*second);
+  }
+  return first;
 }
 
 // Part of the samples that are sharp: see InitialMeshOptions::least_sharp.
@@ -290,13 +322,7 @@ double fraction_of_sharp_samples(const PointCloud& cloud, Progress& progress) {
       return cloud.normal[i].dot(cloud.normal[other]) < kSharpCosine;
     });
   };
-  const Index sharp =
-      parallel_sum(cloud.size(), kGrain, progress, Index{0}, [&](Index begin, Index end) {
-        Index found = 0;
-        for (Index i = begin; i < end; ++i) found += is_sharp(i);
-        return found;
-      });
-  return static_cast<double>(sharp) / cloud.size();
+  return fraction_of_samples(cloud, is_sharp, progress);
 }
 
 // With smaller voxels, of which `options` are to be; nothing if they are not asked for.

@@ -27,6 +27,7 @@ struct InitialMeshOptions {
   double blend_begin =
       1.2;  ///< x local spacing: up to here from the samples the plane field alone decides
   double blend_end = 2.5;  ///< x local spacing: from here on the winding number alone decides
+  double sideways = 0.0;   ///< see PlaneFieldOptions
   /// Parts whose samples are closer than this, x s, get voxels of half the size if the samples bear
   /// out what these show (voxel_refinement.h). 0: never.
   double dense_spacing = 0.65;
@@ -36,9 +37,12 @@ struct InitialMeshOptions {
   /// fewer false ones, and as many parts (of larger voxels: as many bodies, as cavities between
   /// noisy layers are refuted too). 0: never.
   double second_voxel_ratio = 0.85;
-  /// x voxel size, where there are several bodies: if more are told apart then, at no more handles,
-  /// as many cavities and no fewer samples with solid behind, that boundary is taken. 0: never.
+  /// x voxel size, where close sheets have grown together: if more bodies are told apart then, at
+  /// no more handles, as many cavities, and fewer samples that have lost the solid behind them than
+  /// there are new bodies, that boundary is taken, and voxels are made smaller once more. Not for
+  /// sheets (PointCloud::closedness), whose gaps are to be bridged. 0: never.
   double voxel_ratio_for_bodies = 0.7;
+  double sideways_for_bodies = 2.0;  ///< `sideways` of these
   /// x voxel size, where samples are few for the shape: where more than `least_sharp` of them are
   /// sharp, as one of the six nearest faces another way by more than 45 degrees (an edge, a wall as
   /// thin as the samples are apart, a finger of a few samples around). The larger voxels are asked
@@ -70,9 +74,11 @@ struct InitialMeshReport {
   Index cavities = 0;
   Index dropped = 0;  ///< solids and cavities with too few samples
   double samples_with_solid_behind =
-      1.0;                  ///< fraction that has solid 1 to 3 s behind it: below 0.999 is suspect
-  double voxel_size = 0.0;  ///< x s, of the solid that was taken; 0: none was made
-  double sharp = 0.0;       ///< part of the samples: see `voxel_ratio_for_detail`
+      1.0;  ///< fraction that has solid 1 to 3 s behind it: below 0.999 is suspect
+  /// Part of the samples with solid before them, up to 2 s, and a sheet that faces them there.
+  double grown_together = 0.0;
+  double voxel_size = 0.0;         ///< x s, of the solid that was taken; 0: none was made
+  double sharp = 0.0;              ///< part of the samples: see `voxel_ratio_for_detail`
   bool is_of_detail_size = false;  ///< the voxels are smaller for these
   Index refined_parts = 0;         ///< dense parts with voxels of half that
   bool voxels_are_larger = false;  ///< than asked for: see make_voxel_solid

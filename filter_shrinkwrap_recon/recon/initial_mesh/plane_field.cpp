@@ -101,7 +101,8 @@ class PlaneField::LevelMaker {
 };
 
 PlaneField::PlaneField(const PointCloud& cloud, const VoxelLattice& lattice,
-                       const PlaneFieldOptions& options, Progress& progress) {
+                       const PlaneFieldOptions& options, Progress& progress)
+    : sideways_(static_cast<float>(options.sideways)) {
   const LevelMaker maker(cloud, lattice, options);
   Index left = cloud.size();
   for (int power = 0; left > 0; ++power) {
@@ -185,7 +186,8 @@ BrickPlanes PlaneField::planes_at(const Voxel& brick) const {
 
 // Of weight (1 - (d / reach)^2)^5: close to a Gaussian of 0.75 s. `to_first`: from the sample to
 // the centre of the lowest voxel of the brick.
-void PlaneField::add_plane(const SamplePlane& plane, const Vec3f& to_first, BrickPlanes& planes) {
+void PlaneField::add_plane(const SamplePlane& plane, const Vec3f& to_first,
+                           BrickPlanes& planes) const {
   constexpr float kLast = BrickIndex::kEdge - 1;
   const auto gap = [](float from) {  // of a row of voxel centres, from the sample
     return std::max(std::max(from, -from - kLast), 0.0f);
@@ -211,10 +213,12 @@ void PlaneField::add_plane(const SamplePlane& plane, const Vec3f& to_first, Bric
         const float rest = in_reach ? 1.0f - squared * per_reach_squared : 0.0f,
                     rest_squared = rest * rest;
         const float weight = rest_squared * rest_squared * rest + (in_reach ? 1e-12f : 0.0f);
-        planes.distance_sum[at + kx] += weight * (row_dot + x * normal.x());
+        const float height = row_dot + x * normal.x();
+        planes.distance_sum[at + kx] += weight * height;
         planes.weight_sum[at + kx] += weight;
-        planes.nearest[at + kx] =
-            std::min(planes.nearest[at + kx], in_reach ? squared * per_spacing_squared : 1e30f);
+        const float off =
+            (1.0f + sideways_) * squared * per_spacing_squared - sideways_ * height * height;
+        planes.nearest[at + kx] = std::min(planes.nearest[at + kx], in_reach ? off : 1e30f);
       }
     }
   }

@@ -14,13 +14,17 @@ namespace shrinkwrap {
 struct BrickPlanes {
   float distance_sum[BrickIndex::kVoxels] = {};  ///< above the planes, weighted, x 1/s_i
   float weight_sum[BrickIndex::kVoxels] = {};    ///< 0 where no sample reaches
-  float nearest[BrickIndex::kVoxels];            ///< squared distance of the nearest, x 1/s_i^2
+  /// Squared distance of the nearest, x 1/s_i^2; see PlaneFieldOptions::sideways.
+  float nearest[BrickIndex::kVoxels];
 };
 
 struct PlaneFieldOptions {
   /// x local spacing s_i, which counts as 16 median spacings at most; 1.75 voxels at least.
   double reach = 2.5;
   double least_spacing = 1.0;  ///< x median spacing: samples count as at least so far apart
+  /// The square of a distance along the plane counts so many times more than that of one across it:
+  /// beside its sample a plane is a guess, and a wrong one beyond an edge.
+  double sideways = 0.0;
 };
 
 /// The tangent planes of all samples, each as far as its sample reaches and blended where several
@@ -56,8 +60,9 @@ class PlaneField {
 
   class LevelMaker;
   static void add_bricks_in_reach(const Level& level, Index bin, std::vector<BrickKey>& reached);
-  static void add_plane(const SamplePlane& plane, const Vec3f& to_first, BrickPlanes& planes);
+  void add_plane(const SamplePlane& plane, const Vec3f& to_first, BrickPlanes& planes) const;
 
+  float sideways_;
   std::vector<Level> levels_;  // of bins ever larger, without empty ones
 };
 

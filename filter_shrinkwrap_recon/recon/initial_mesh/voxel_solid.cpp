@@ -76,7 +76,8 @@ class Classification {
     }
   }
   PlaneField make_plane_field(double least_spacing, Progress& progress) const {
-    return {cloud_, solid_.lattice, {options_.blend_end, least_spacing}, progress};
+    return {
+        cloud_, solid_.lattice, {options_.blend_end, least_spacing, options_.sideways}, progress};
   }
 
   // Beyond the reach of the plane field the winding number varies slowly: one value serves the 8
