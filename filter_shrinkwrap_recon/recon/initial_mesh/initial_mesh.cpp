@@ -64,13 +64,13 @@ void shrink(SurfaceMesh& mesh, const PointCloud& cloud, const InitialMeshOptions
   }
 }
 
-// Whether there is solid at one of some heights above a sample, x s.
-bool has_solid_at(std::initializer_list<double> heights, const PointCloud& cloud, Index i,
-                  const VoxelSolid& solid) {
+// Whether something holds of the point at one of some heights above a sample, x s.
+template <class Holds>
+bool holds_at(std::initializer_list<double> heights, const PointCloud& cloud, Index i,
+              const Holds& holds) {
   const Vec3 unit = cloud.spacing * cloud.normal[i].cast<double>();
-  return std::any_of(heights.begin(), heights.end(), [&](double height) {
-    return solid.contains(cloud.position[i] + height * unit);
-  });
+  return std::any_of(heights.begin(), heights.end(),
+                     [&](double height) { return holds(Vec3(cloud.position[i] + height * unit)); });
 }
 
 template <class IsCounted>
@@ -87,8 +87,9 @@ double fraction_of_samples(const PointCloud& cloud, const IsCounted& is_counted,
 
 double fraction_with_solid_behind(const PointCloud& cloud, const VoxelSolid& solid,
                                   Progress& progress) {
+  const auto is_solid = [&](const Vec3& p) { return solid.contains(p); };
   const auto has_solid_behind = [&](Index i) {
-    return has_solid_at({-1.0, -1.5, -2.0, -2.5, -3.0}, cloud, i, solid);
+    return holds_at({-1.0, -1.5, -2.0, -2.5, -3.0}, cloud, i, is_solid);
   };
   return fraction_of_samples(cloud, has_solid_behind, progress);
 }
@@ -96,11 +97,12 @@ double fraction_with_solid_behind(const PointCloud& cloud, const VoxelSolid& sol
 // See InitialMeshReport::grown_together.
 double fraction_grown_together(const PointCloud& cloud, const VoxelSolid& solid,
                                Progress& progress) {
+  const auto is_solid = [&](const Vec3& p) { return solid.contains(p); };
   const auto is_grown_together = [&](Index i) {
-    if (!has_solid_at({1.5, 2.0}, cloud, i, solid)) return false;
-    const Vec3 across = cloud.position[i] + 2.0 * cloud.spacing * cloud.normal[i].cast<double>();
-    const Index facing = cloud.search.nearest(across).index;
-    return cloud.normal[facing].dot(cloud.normal[i]) < kFacingCosine;
+    const auto is_faced = [&](const Vec3& p) {
+      return cloud.normal[cloud.search.nearest(p).index].dot(cloud.normal[i]) < kFacingCosine;
+    };
+    return holds_at({1.5, 2.0}, cloud, i, is_solid) && holds_at({2.0, 3.5}, cloud, i, is_faced);
   };
   return fraction_of_samples(cloud, is_grown_together, progress);
 }

@@ -75,7 +75,8 @@ struct InitialMeshReport {
   Index dropped = 0;  ///< solids and cavities with too few samples
   double samples_with_solid_behind =
       1.0;  ///< fraction that has solid 1 to 3 s behind it: below 0.999 is suspect
-  /// Part of the samples with solid before them, up to 2 s, and a sheet that faces them there.
+  /// Part of the samples with solid 1.5 or 2 s before them, and a sheet that faces them there or
+  /// behind it.
   double grown_together = 0.0;
   double voxel_size = 0.0;         ///< x s, of the solid that was taken; 0: none was made
   double sharp = 0.0;              ///< part of the samples: see `voxel_ratio_for_detail`
