@@ -49,8 +49,8 @@ TEST(PlaneField, AddsUpEverySampleThatReachesAVoxel) {
   Progress silent;
   const PointCloud cloud = uneven_cloud(500, 1);
   const VoxelLattice lattice = lattice_for(cloud);
-  for (const double least_spacing : {0.5, 1.0}) {
-    const PlaneFieldOptions options{2.5, least_spacing, least_spacing == 1.0 ? 0.0 : 2.0};
+  for (const PlaneFieldOptions& options :
+       {PlaneFieldOptions{2.5, 0.5, 2.0}, PlaneFieldOptions{2.5, 1.0, 0.0}}) {
     const PlaneField field(cloud, lattice, options, silent);
     Random random(2);
     int reached = 0;

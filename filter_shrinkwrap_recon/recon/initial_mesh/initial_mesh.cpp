@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <initializer_list>
 #include <numeric>
 #include <optional>
 #include <tuple>
@@ -27,8 +28,9 @@ constexpr double kSupportReach = 3.0;  // x size of a voxel
 // A sample is sharp if the normal of one of so many beside it makes a smaller cosine with its own.
 constexpr int kNearestSamples = 6;
 constexpr float kSharpCosine = 0.7071f;
-constexpr float kFacingCosine = -0.5f;    // of the normals of sheets that face each other
-constexpr double kLeastClosedness = 0.5;  // of clouds whose samples may be few for the shape
+constexpr float kFacingCosine = -0.5f;        // of the normals of sheets that face each other
+constexpr double kLeastClosedness = 0.5;      // of clouds that are no sheets
+constexpr double kLeastVoxelForBodies = 0.4;  // x s
 
 // Shrinks the mesh towards the planes of the samples of its own side, all vertices at once (eq.
 // 4-8, with the plane in place of the nearest sample, which folds the mesh in concavities).
@@ -64,13 +66,22 @@ void shrink(SurfaceMesh& mesh, const PointCloud& cloud, const InitialMeshOptions
   }
 }
 
-// Whether something holds of the point at one of some heights above a sample, x s.
-template <class Holds>
-bool holds_at(std::initializer_list<double> heights, const PointCloud& cloud, Index i,
-              const Holds& holds) {
-  const Vec3 unit = cloud.spacing * cloud.normal[i].cast<double>();
+// Above a sample, x s.
+Vec3 point_above(const PointCloud& cloud, Index i, double height) {
+  return cloud.position[i] + height * cloud.spacing * cloud.normal[i].cast<double>();
+}
+
+bool has_solid_at(std::initializer_list<double> heights, const PointCloud& cloud, Index i,
+                  const VoxelSolid& solid) {
   return std::any_of(heights.begin(), heights.end(),
-                     [&](double height) { return holds(Vec3(cloud.position[i] + height * unit)); });
+                     [&](double height) { return solid.contains(point_above(cloud, i, height)); });
+}
+
+bool is_faced_at(std::initializer_list<double> heights, const PointCloud& cloud, Index i) {
+  return std::any_of(heights.begin(), heights.end(), [&](double height) {
+    const Index other = cloud.search.nearest(point_above(cloud, i, height)).index;
+    return cloud.normal[other].dot(cloud.normal[i]) < kFacingCosine;
+  });
 }
 
 template <class IsCounted>
@@ -87,9 +98,8 @@ double fraction_of_samples(const PointCloud& cloud, const IsCounted& is_counted,
 
 double fraction_with_solid_behind(const PointCloud& cloud, const VoxelSolid& solid,
                                   Progress& progress) {
-  const auto is_solid = [&](const Vec3& p) { return solid.contains(p); };
   const auto has_solid_behind = [&](Index i) {
-    return holds_at({-1.0, -1.5, -2.0, -2.5, -3.0}, cloud, i, is_solid);
+    return has_solid_at({-1.0, -1.5, -2.0, -2.5, -3.0}, cloud, i, solid);
   };
   return fraction_of_samples(cloud, has_solid_behind, progress);
 }
@@ -97,12 +107,8 @@ double fraction_with_solid_behind(const PointCloud& cloud, const VoxelSolid& sol
 // See InitialMeshReport::grown_together.
 double fraction_grown_together(const PointCloud& cloud, const VoxelSolid& solid,
                                Progress& progress) {
-  const auto is_solid = [&](const Vec3& p) { return solid.contains(p); };
   const auto is_grown_together = [&](Index i) {
-    const auto is_faced = [&](const Vec3& p) {
-      return cloud.normal[cloud.search.nearest(p).index].dot(cloud.normal[i]) < kFacingCosine;
-    };
-    return holds_at({1.5, 2.0}, cloud, i, is_solid) && holds_at({2.0, 3.5}, cloud, i, is_faced);
+    return has_solid_at({1.5, 2.0}, cloud, i, solid) && is_faced_at({2.0, 3.5}, cloud, i);
   };
   return fraction_of_samples(cloud, is_grown_together, progress);
 }
@@ -297,7 +303,9 @@ InitialMesh boundary_with_more_bodies(InitialMesh first, const PointCloud& cloud
   if (per_attempt <= 0.0 || per_attempt >= 1.0 || first.report.voxels_are_larger ||
       cloud.closedness < kLeastClosedness)
     return first;
-  for (double ratio = per_attempt; first.report.grown_together > 0.0; ratio *= per_attempt) {
+  for (double ratio = per_attempt;
+       first.report.grown_together > 0.0 && ratio * options.voxel_size >= kLeastVoxelForBodies;
+       ratio *= per_attempt) {
     std::optional<InitialMesh> second =
         try_boundary(cloud, winding, options, ratio, first.report.components + 1, progress);
     if (!second) break;
@@ -306,9 +314,9 @@ InitialMesh boundary_with_more_bodies(InitialMesh first, const PointCloud& cloud
     const double lost = (a.samples_with_solid_behind - b.samples_with_solid_behind) * cloud.size();
     const bool is_as_sound = b.genus <= a.genus && b.false_handles <= a.false_handles &&
                              b.cavities == a.cavities && b.dropped <= a.dropped &&
-                             lost < more - 0.5;
+                             !b.voxels_are_larger && lost < more - 0.5;
     if (more <= 0 || !is_as_sound) break;
-    second->report.handles_refuted = a.handles_refuted;
+    second->report.handles_refuted = a.handles_refuted + a.genus - b.genus;
     second->report.bodies_parted = a.bodies_parted + more;
     first = std::move(*second);
   }

@@ -27,7 +27,7 @@ struct InitialMeshOptions {
   double blend_begin =
       1.2;  ///< x local spacing: up to here from the samples the plane field alone decides
   double blend_end = 2.5;  ///< x local spacing: from here on the winding number alone decides
-  double sideways = 0.0;   ///< see PlaneFieldOptions
+  double sideways = 0.0;   ///< distances along planes count more: see PlaneFieldOptions
   /// Parts whose samples are closer than this, x s, get voxels of half the size if the samples bear
   /// out what these show (voxel_refinement.h). 0: never.
   double dense_spacing = 0.65;
@@ -38,9 +38,10 @@ struct InitialMeshOptions {
   /// noisy layers are refuted too). 0: never.
   double second_voxel_ratio = 0.85;
   /// x voxel size, where close sheets have grown together: if more bodies are told apart then, at
-  /// no more handles, as many cavities, and fewer samples that have lost the solid behind them than
-  /// there are new bodies, that boundary is taken, and voxels are made smaller once more. Not for
-  /// sheets (PointCloud::closedness), whose gaps are to be bridged. 0: never.
+  /// no more handles, as many cavities, and fewer samples have lost the solid behind them, on
+  /// balance, than there are new bodies, that boundary is taken, and voxels are made smaller once
+  /// more, down to 0.4 s. Not for sheets (PointCloud::closedness), whose gaps are to be bridged,
+  /// nor where voxels of the usual size were taken as these show fewer handles. 0: never.
   double voxel_ratio_for_bodies = 0.7;
   double sideways_for_bodies = 2.0;  ///< `sideways` of these
   /// x voxel size, where samples are few for the shape: where more than `least_sharp` of them are
@@ -75,8 +76,8 @@ struct InitialMeshReport {
   Index dropped = 0;  ///< solids and cavities with too few samples
   double samples_with_solid_behind =
       1.0;  ///< fraction that has solid 1 to 3 s behind it: below 0.999 is suspect
-  /// Part of the samples with solid 1.5 or 2 s before them, and a sheet that faces them there or
-  /// behind it.
+  /// Part of the samples with solid 1.5 or 2 s before them, where the nearest sample to the point
+  /// 2 or 3.5 s before them faces them.
   double grown_together = 0.0;
   double voxel_size = 0.0;         ///< x s, of the solid that was taken; 0: none was made
   double sharp = 0.0;              ///< part of the samples: see `voxel_ratio_for_detail`

@@ -197,7 +197,7 @@ void PlaneField::add_plane(const SamplePlane& plane, const Vec3f& to_first,
   if (gap_x * gap_x + gap_y * gap_y + gap_z * gap_z > reach_squared) return;
 
   const float per_reach_squared = 1.0f / reach_squared,
-              per_spacing_squared = plane.per_spacing * plane.per_spacing;
+              per_spacing_squared = plane.per_spacing * plane.per_spacing, sideways = sideways_;
   const Vec3f normal = plane.per_spacing * plane.normal;
   for (int kz = 0; kz < BrickIndex::kEdge; ++kz) {
     const float z = to_first.z() + static_cast<float>(kz);
@@ -216,9 +216,9 @@ void PlaneField::add_plane(const SamplePlane& plane, const Vec3f& to_first,
         const float height = row_dot + x * normal.x();
         planes.distance_sum[at + kx] += weight * height;
         planes.weight_sum[at + kx] += weight;
-        const float off =
-            (1.0f + sideways_) * squared * per_spacing_squared - sideways_ * height * height;
-        planes.nearest[at + kx] = std::min(planes.nearest[at + kx], in_reach ? off : 1e30f);
+        const float squared_off =
+            (1.0f + sideways) * squared * per_spacing_squared - sideways * height * height;
+        planes.nearest[at + kx] = std::min(planes.nearest[at + kx], in_reach ? squared_off : 1e30f);
       }
     }
   }

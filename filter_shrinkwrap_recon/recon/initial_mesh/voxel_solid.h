@@ -18,10 +18,10 @@ struct VoxelSolid {
 /// Voxels that are inside by the plane field near the samples and by the winding number elsewhere
 /// (`InitialMeshOptions::blend_begin` and `blend_end`). Bricks are those that samples reach, those
 /// through which the level set of the winding number runs from there (over openings), and all that
-/// touch these. Voxels are larger than asked for where samples, most of them far more than the
-/// median spacing apart, would reach over four bricks each. Pre: oriented normals. O(N) expected;
-/// parallel, the same for any number of threads. Throws ReconstructionFailed if the level set runs
-/// too far.
+/// touch these. Voxels are larger than asked for where samples would reach over four bricks each,
+/// as most of them are far more than the median spacing apart, or voxels very small. Pre: oriented
+/// normals. O(N) expected; parallel, the same for any number of threads. Throws
+/// ReconstructionFailed if the level set runs too far.
 VoxelSolid make_voxel_solid(const PointCloud& cloud, const WindingNumber& winding,
                             const InitialMeshOptions& options, Progress& progress);
 
