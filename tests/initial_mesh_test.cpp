@@ -306,27 +306,6 @@ TEST(InitialMesh, VoxelsBecomeSmallerAsLongAsThatPartsBodies) {
   EXPECT_LT(smallest, 0.7 * 0.7 * 0.75) << "detail size is one step: the cases are too easy";
 }
 
-// Beside it balls face each other, as where they have grown together.
-TEST(InitialMesh, ARodBetweenTwoBallsStays) {
-  constexpr Index kSamples = 500;
-  const double spacing = std::sqrt(4.0 * kPi / kSamples), half = 1.0 + 1.25 * spacing;
-  const auto dumbbell = [&](const Vec3& p) {
-    const double off_axis = length_of(p.y(), p.z()), along = std::abs(p.x());
-    return std::min((Vec3(along, p.y(), p.z()) - Vec3(half, 0, 0)).norm() - 1.0,
-                    std::max(off_axis - spacing, along - half));
-  };
-  Index doubtful = 0;
-  for (unsigned seed = 1; seed <= 10; ++seed) {
-    Random random(seed);
-    const auto samples =
-        sample_implicit_blue_noise(dumbbell, {half + 1.1, {}}, 2 * kSamples + 16, random);
-    const InitialMesh mesh = initial_mesh_of(oriented_cloud(samples.points));
-    expect_closed_manifold(mesh.mesh, 1, 0);
-    doubtful += mesh.report.grown_together > 0.0;
-  }
-  EXPECT_GE(doubtful, 3) << "the cases are too easy";
-}
-
 TEST(InitialMesh, VoxelsAreSmallerWhereSamplesAreFewForTheShape) {
   // Walls of 0.08: one spacing.
   Index false_handles = 0, of_large_voxels = 0;
