@@ -25,8 +25,6 @@ using testing::Shape;
 using testing::shape_of;
 using testing::ShapeKind;
 using testing::spiral_sphere;
-using testing::Town;
-using testing::TownOptions;
 
 OrientationReport orient(PointCloud& cloud) {
   Progress silent;
@@ -264,74 +262,6 @@ TEST(Orientation, CoarseViewsDoNotTurnTheInsideOfACup) {
   EXPECT_GT(count_wrong(options), 5000);
 }
 
-// Views see its hills from above and its valleys from below, and the edges between are sharp: even
-// if views counted for more than neighbours, those on a sheet would not be trusted.
-TEST(Orientation, ASheetOfHillsAndValleysHasOneSide) {
-  const auto zigzag = [](double x) { return std::abs(std::fmod(x + 140.0, 14.0) - 7.0); };
-  std::vector<Vec3> points;
-  Random random(5);
-  for (int i = 0; i < 80; ++i)
-    for (int j = 0; j < 80; ++j) {
-      const double x = i + random.uniform(-0.3, 0.3), y = j + random.uniform(-0.3, 0.3);
-      points.push_back({x, y, 0.6 * (zigzag(x) + zigzag(y))});
-    }
-  OrientationOptions by_views;
-  by_views.signs.vote_weight = by_views.disputes.vote_weight = 1e6;
-  for (const OrientationOptions& options : {OrientationOptions(), by_views}) {
-    PointCloud cloud = prepared_cloud(points);
-    Progress silent;
-    orient_normals(cloud, options, silent);
-    for (const Vec3f& normal : cloud.normal) ASSERT_GT(normal.z(), 0.0f);
-  }
-}
-
-Index count_wrong(const PointCloud& cloud, const std::vector<Vec3>& outward) {
-  Index wrong = 0;
-  for (Index i = 0; i < cloud.size(); ++i)
-    wrong += outward[cloud.input_index[i]].dot(cloud.normal[i].cast<double>()) < 0.0;
-  return wrong;
-}
-
-TEST(Orientation, GroundFacesUpwardsUnderWhatStandsOnIt) {
-  for (const bool has_walls : {false, true})
-    for (const bool has_trees : {false, true})
-      for (unsigned seed = 1; seed <= 3; ++seed) {
-        SCOPED_TRACE(std::to_string(has_walls) + std::to_string(has_trees) + std::to_string(seed));
-        const Town town = make_town({has_walls, has_trees, false}, seed);
-        PointCloud cloud = prepared_cloud(town.points);
-        orient(cloud);
-        EXPECT_LT(count_wrong(cloud, town.outward), 0.02 * cloud.size());
-      }
-}
-
-// Their corners are near enough to the ground to be its neighbours, and the views tell nothing.
-TEST(Orientation, LowRoofsWithoutWallsFaceUpwards) {
-  for (const double height : {1.6, 2.0, 2.5})
-    for (unsigned seed = 1; seed <= 3; ++seed) {
-      SCOPED_TRACE(std::to_string(height) + " " + std::to_string(seed));
-      TownOptions low;
-      low.height = height;
-      const Town town = make_town(low, seed);
-      PointCloud cloud = prepared_cloud(town.points);
-      orient(cloud);
-      EXPECT_LT(count_wrong(cloud, town.outward), 0.01 * cloud.size());
-    }
-}
-
-// Roofs tell, whose inner sides can hardly be seen; the ground does not.
-TEST(Orientation, SheetsThatNoViewTellsAboutFaceWhereOthersDo) {
-  for (const int axis : {0, 1, 2})
-    for (const double sign : {-1.0, 1.0}) {
-      SCOPED_TRACE(std::to_string(axis) + " " + std::to_string(sign));
-      Town town = make_town({false, false, false}, 1);
-      for (std::vector<Vec3>* all : {&town.points, &town.outward})
-        for (Vec3& v : *all) v = Vec3(v[(axis + 1) % 3], v[(axis + 2) % 3], v[axis]) * sign;
-      PointCloud cloud = prepared_cloud(town.points);
-      orient(cloud);
-      EXPECT_LT(count_wrong(cloud, town.outward), 0.02 * cloud.size());
-    }
-}
-
 // Few of the samples are drawn at first, so coarsely that the two sides of the plate are one.
 TEST(Orientation, DrawsThinPartsAgainMoreFinely) {
   PointCloud cloud = prepared_cloud(sample_shape(ShapeKind::thin_plate, 20000, 4));
@@ -480,46 +410,6 @@ TEST(Orientation, TellsHowFarTheCloudIsClosed) {
   const double of_both = closedness(both);
   EXPECT_GT(of_both, 0.1);
   EXPECT_LT(of_both, 0.9);
-}
-
-TEST(Orientation, SaysThatASheetHasNoOutside) {
-  Random random(6);
-  std::vector<Vec3> points;
-  for (int i = 0; i < 3000; ++i) {
-    const double x = random.uniform(-1, 1), y = random.uniform(-1, 1);
-    points.emplace_back(x, y, 0.02 * std::sin(4 * x) * std::sin(4 * y));
-  }
-  PointCloud cloud = prepared_cloud(points);
-  const OrientationReport report = orient(cloud);
-  EXPECT_EQ(report.components, 1);
-  EXPECT_EQ(report.undecided_components, 1);
-  for (Index i = 1; i < cloud.size(); ++i)  // of one sign all the same
-    ASSERT_GT(cloud.normal[i].dot(cloud.normal[0]), 0.5f);
-}
-
-// Whichever sign the samples happened to come with: a terrain faces up, a wall along its axis.
-TEST(Orientation, OpenSheetsFaceUp) {
-  for (const int axis : {2, 1, 0})
-    for (const double direction : {1.0, -1.0}) {
-      Random random(7);
-      std::vector<Vec3> points;
-      for (Index i = 0; i < 4000; ++i) {
-        const double x = random.uniform(-1.0, 1.0), y = random.uniform(-1.0, 1.0);
-        Vec3 p;
-        p[(axis + 1) % 3] = x;
-        p[(axis + 2) % 3] = y;
-        p[axis] = direction * 0.1 * x * y;
-        points.push_back(p);
-      }
-      const PointCloud sheet = [&] {
-        PointCloud cloud = prepared_cloud(points);
-        orient(cloud);
-        return cloud;
-      }();
-      Index down = 0;
-      for (const Vec3f& normal : sheet.normal) down += normal[axis] < 0.0f;
-      EXPECT_EQ(down, 0) << "axis " << axis << ", direction " << direction;
-    }
 }
 
 TEST(Orientation, DoesNotDependOnTheSignsItIsGiven) {

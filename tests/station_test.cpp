@@ -23,6 +23,7 @@ using testing::prepared_cloud;
 using testing::Random;
 using testing::run;
 using testing::sample_shape;
+using testing::sample_shape_blue_noise;
 using testing::ShapeKind;
 
 Vec3 origin_of(const PointCloud& cloud) {
@@ -156,20 +157,51 @@ TEST(Station, NotOfWhatHidesHalfOfItself) {
   }
 }
 
+// Outer and inner side of a dome are seen, and it is sparser farther away by chance.
+TEST(Station, NotOfADomeThatIsSparserFartherAway) {
+  const Vec3 centre = 3.0 * Vec3(std::sin(1.37), 0.0, std::cos(1.37));
+  Random random(1);
+  std::vector<Vec3> points;
+  for (const Vec3& p : sample_shape_blue_noise(ShapeKind::hemisphere, 3000, 1))
+    if (random.uniform() < std::pow(10.0, 0.5 * p.x() - 0.5)) points.push_back(p + centre);
+  const PointCloud cloud = prepared_cloud(points);
+  const StationOptions options;
+  EXPECT_LT(spread_left(cloud), options.most_spread_left);
+  EXPECT_LT(part_hidden(cloud), options.most_hidden);
+  EXPECT_FALSE(is_view(cloud));
+}
+
+// Ground around a scanner 1.7 above it, at a height above the origin.
+std::vector<Vec3> ground_around(double height) {
+  Random random(1);
+  std::vector<Vec3> points;
+  for (int i = 0; i < 8000; ++i) {
+    const double around = random.uniform(0.0, 2.0 * kPi), down = random.uniform(0.15, 1.0);
+    points.emplace_back(1.7 / std::tan(down) * std::cos(around),
+                        1.7 / std::tan(down) * std::sin(around),
+                        height + 0.002 * random.gaussian());
+  }
+  return points;
+}
+
+// As dense as seen from above and from below.
+TEST(Station, AboveGroundThatIsAllAround) {
+  EXPECT_TRUE(is_view(prepared_cloud(ground_around(-1.7))));
+  EXPECT_FALSE(is_view(prepared_cloud(ground_around(1.7))));
+}
+
 // Ground around a scanner above it, with the origin below; and ground far above the origin.
 TEST(Station, NotBehindTheSheet) {
   Random random(1);
-  std::vector<Vec3> ring, terrain;
+  std::vector<Vec3> terrain;
   for (int i = 0; i < 8000; ++i) {
-    const double around = random.uniform(0.0, 2.0 * kPi), down = random.uniform(0.15, 1.0);
-    ring.emplace_back(1.7 / std::tan(down) * std::cos(around),
-                      1.7 / std::tan(down) * std::sin(around), 0.5 + 0.002 * random.gaussian());
     const double x = random.uniform(-500.0, 500.0), y = random.uniform(-500.0, 500.0);
     terrain.emplace_back(x, y, 3000.0 + 60.0 * std::sin(0.01 * x) * std::sin(0.01 * y));
   }
   const StationOptions options;
-  EXPECT_LT(spread_left(prepared_cloud(ring)), options.most_spread_left);
-  EXPECT_FALSE(is_view(prepared_cloud(ring)));
+  const PointCloud ring = prepared_cloud(ground_around(0.5));
+  EXPECT_LT(spread_left(ring), options.most_spread_left);
+  EXPECT_FALSE(is_view(ring));
   EXPECT_FALSE(is_view(prepared_cloud(terrain)));
 }
 

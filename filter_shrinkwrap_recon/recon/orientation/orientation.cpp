@@ -20,6 +20,7 @@ constexpr double kSeenOpenly = 0.25;        // of the possible votes: not throug
 constexpr double kLeastCosine = 0.1;        // of a sheet that faces a direction
 constexpr double kSteepCosine = 0.3;        // with the way to the station: beyond doubt
 constexpr double kLeastSheetNormal = 0.25;  // length of the mean normal of an open sheet, at least
+constexpr double kLeastInFront = 0.1;       // x samples of a sheet, that tell which way it faces
 
 // Of every stride-th sample.
 VisibilityOptions views_of(const PointCloud& cloud, const OrientationOptions& options, Index stride,
@@ -95,8 +96,8 @@ class ComponentSigns {
                                            : votes[c].majority();
         seen.push_back(c);
         report.enclosed_components += layer > 0;
-        report.undecided_components += is_close(outward);
-        if (may_be_open && is_close(outward)) {
+        report.undecided_components += is_close(outward, may_be_open);
+        if (may_be_open && is_close(outward, true)) {
           undecided_sheets.push_back(c);
           continue;
         }
@@ -132,7 +133,9 @@ class ComponentSigns {
       return vote.seen <= kSeenOpenly * vote.possible;
     return vote.seen <= options_.least_visible * vote.possible;
   }
-  bool is_close(double majority) const { return std::abs(majority) < options_.least_vote; }
+  bool is_close(double majority, bool may_be_open = false) const {
+    return std::abs(majority) < (may_be_open ? options_.least_vote_on_sheets : options_.least_vote);
+  }
 
   void sum_normals() {
     normal_sum_.assign(size_.size(), Vec3(Vec3::Zero()));
@@ -144,10 +147,11 @@ class ComponentSigns {
     return normal_sum_[component].norm() >= kLeastSheetNormal * size_[component];
   }
   // Positive if a sheet faces where the decided components do on the whole or, where these face all
-  // around, +z (or +y, +x if it stands upright).
+  // around or are too few to tell, +z (or +y, +x if it stands upright).
   double towards_front(std::size_t component) const {
     const Vec3& sum = normal_sum_[component];
-    const bool is_clear = front_.norm() >= kLeastSheetNormal * in_front_;
+    const bool is_clear = in_front_ >= kLeastInFront * size_[component] &&
+                          front_.norm() >= kLeastSheetNormal * in_front_;
     const Vec3 front = is_clear ? front_.normalized() : Vec3(Vec3::Zero());
     const Vec3 sides[] = {front, Vec3::UnitZ(), Vec3::UnitY(), Vec3::UnitX()};
     for (const Vec3& side : sides)

@@ -21,6 +21,8 @@ struct OrientationOptions {
       0.5;  ///< a view votes on a sample only if |normal . direction| is at least this
   Index drawn_samples = 16000;  ///< of larger clouds a part is drawn, more if the votes are close
   double least_vote = 0.02;     ///< undecided below this part of the votes there could have been
+  double least_vote_on_sheets = 0.03;  ///< ... on an open sheet: ground with houses, seen from
+                                       ///< stations between them, is as hollow as -0.021
   double least_visible = 0.02;  ///< hidden if this part or less of the possible votes was cast, or
                                 ///< nearly all of them through other components
   Index propagation_samples =
@@ -66,10 +68,11 @@ struct OrientationReport {
 /// Views are trusted as far as a component is closed (VisibilityVote::trust): what stands on an
 /// open sheet, such as the ground, hides its front. Of a sheet it counts too how convex it is, seen
 /// by itself. Sheets that are neither closed nor convex face where the other components do on the
-/// whole, or +z (or +y, +x if they stand upright). What is left undecided keeps the sign of the
-/// majority, however small. Then normals at edges become those of faces (crease_planes.h), unless
-/// samples are noisy or lie on lines. Then computes the tangent planes. O(N) expected time but for
-/// the union-find, O(N) memory, the same for any number of threads.
+/// whole, unless these have few samples, or +z (or +y, +x if they stand upright). What is left
+/// undecided keeps the sign of the majority, however small. Then normals at edges become those of
+/// faces (crease_planes.h), unless samples are noisy or lie on lines. Then computes the tangent
+/// planes. O(N) expected time but for the union-find, O(N) memory, the same for any number of
+/// threads.
 OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& options,
                                  Progress& progress);
 

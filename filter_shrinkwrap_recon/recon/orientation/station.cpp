@@ -52,8 +52,8 @@ double width_of_middle_two_thirds(std::vector<double>& values) {
   return nth_part(values, 5.0 / 6.0) - low;
 }
 
-// Length of the mean normal over the area, of normals that are turned to the station.
-double mean_normal_towards(const PointCloud& cloud, const Vec3& station) {
+// Over the area, of normals that are turned to the station.
+Vec3 mean_normal_towards(const PointCloud& cloud, const Vec3& station) {
   Vec3 sum = Vec3::Zero();
   double total = 0.0;
   for (Index i = 0; i < cloud.size(); ++i) {
@@ -62,7 +62,7 @@ double mean_normal_towards(const PointCloud& cloud, const Vec3& station) {
     sum += normal.dot(station - cloud.position[i]) < 0.0 ? Vec3(-area * normal) : area * normal;
     total += area;
   }
-  return total > 0.0 ? sum.norm() / total : 0.0;
+  return total > 0.0 ? Vec3(sum / total) : sum;
 }
 
 // As far away beyond the samples.
@@ -124,11 +124,17 @@ bool is_view_from(const PointCloud& cloud, const Vec3& station, const StationOpt
                   Progress& progress) {
   if (!station.allFinite()) return false;
   const double left = spread_left_from(cloud, station, progress);
-  return left < options.most_spread_left &&
-         mean_normal_towards(cloud, station) >= options.least_sheet_normal &&
-         left < options.most_over_opposite *
-                    spread_left_from(cloud, opposite_of(station, cloud), progress) &&
-         part_hidden_from(cloud, station, progress) <= options.most_hidden;
+  if (!(left < options.most_spread_left)) return false;
+  const bool is_sure = left < options.spread_left_for_sure;
+  const Vec3 normal = mean_normal_towards(cloud, station);
+  if (normal.norm() < options.least_sheet_normal) return false;
+  const bool is_above = normal.z() >= options.least_sheet_normal;
+  if (!(is_sure && is_above) &&
+      left >= options.most_over_opposite *
+                  spread_left_from(cloud, opposite_of(station, cloud), progress))
+    return false;
+  return part_hidden_from(cloud, station, progress) <=
+         (is_sure ? options.most_hidden : options.most_hidden_in_doubt);
 }
 
 }  // namespace shrinkwrap
