@@ -110,19 +110,6 @@ TEST(SidesOfSheets, DoNotFollowFewOthers) {
     }
 }
 
-// No more hollow than ground with houses is as scanned from between them.
-TEST(SidesOfSheets, AShallowBowlFacesUp) {
-  Random random(1);
-  std::vector<Vec3> points;
-  while (points.size() < 10000) {
-    const Vec3 way = random.direction();
-    if (way.z() < -0.17) points.push_back(way + Vec3(5.0, 0.0, 0.0));
-  }
-  PointCloud cloud = prepared_cloud(points);
-  EXPECT_EQ(orient(cloud).undecided_components, 1);
-  for (Index i = 0; i < cloud.size(); ++i) ASSERT_GT(cloud.normal[i].z(), 0.0f) << i;
-}
-
 TEST(SidesOfSheets, SaysThatTheyHaveNoOutside) {
   Random random(6);
   std::vector<Vec3> points;

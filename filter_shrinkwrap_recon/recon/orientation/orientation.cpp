@@ -96,8 +96,8 @@ class ComponentSigns {
                                            : votes[c].majority();
         seen.push_back(c);
         report.enclosed_components += layer > 0;
-        report.undecided_components += is_close(outward, may_be_open);
-        if (may_be_open && is_close(outward, true)) {
+        report.undecided_components += is_close(outward);
+        if (may_be_open && is_close(outward)) {
           undecided_sheets.push_back(c);
           continue;
         }
@@ -133,9 +133,7 @@ class ComponentSigns {
       return vote.seen <= kSeenOpenly * vote.possible;
     return vote.seen <= options_.least_visible * vote.possible;
   }
-  bool is_close(double majority, bool may_be_open = false) const {
-    return std::abs(majority) < (may_be_open ? options_.least_vote_on_sheets : options_.least_vote);
-  }
+  bool is_close(double majority) const { return std::abs(majority) < options_.least_vote; }
 
   void sum_normals() {
     normal_sum_.assign(size_.size(), Vec3(Vec3::Zero()));

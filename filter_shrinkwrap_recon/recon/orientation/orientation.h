@@ -21,8 +21,6 @@ struct OrientationOptions {
       0.5;  ///< a view votes on a sample only if |normal . direction| is at least this
   Index drawn_samples = 16000;  ///< of larger clouds a part is drawn, more if the votes are close
   double least_vote = 0.02;     ///< undecided below this part of the votes there could have been
-  double least_vote_on_sheets = 0.03;  ///< ... on an open sheet: ground with houses, seen from
-                                       ///< stations between them, is as hollow as -0.021
   double least_visible = 0.02;  ///< hidden if this part or less of the possible votes was cast, or
                                 ///< nearly all of them through other components
   Index propagation_samples =
