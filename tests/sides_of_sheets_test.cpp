@@ -91,6 +91,48 @@ TEST(SidesOfSheets, FaceWhereOthersDo) {
     }
 }
 
+// Uneven ground from x = `left` to `right`, as wide as it is long or 60, half of it below what
+// grows on it: that is no surface.
+void add_wood(double left, double right, Random& random, std::vector<Vec3>& points) {
+  const double width = std::min(right - left, 60.0);
+  for (double x = left; x < right; ++x)
+    for (double y = 0.0; y < width; ++y) {
+      const auto within = [&](double at) { return at + random.uniform(-0.3, 0.3); };
+      points.emplace_back(within(x), within(y), 0.05 * random.gaussian());
+      if (std::sin(0.4 * x) * std::sin(0.4 * y) < 0.0) continue;
+      points.emplace_back(within(x), within(y), random.uniform(0.5, 3.0));
+    }
+}
+Index count_ground_facing_down(const std::vector<Vec3>& points) {
+  PointCloud cloud = prepared_cloud(points);
+  orient(cloud);
+  Index count = 0;
+  for (Index i = 0; i < cloud.size(); ++i)
+    count += cloud.frame.to_input(cloud.position[i]).z() < 0.3 && cloud.normal[i].z() < -0.7f;
+  return count;
+}
+
+// It is seen more from below.
+TEST(SidesOfSheets, GroundFacesUpUnderAWood) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    Random random(seed);
+    std::vector<Vec3> points;
+    add_wood(0.0, 60.0, random, points);
+    EXPECT_LT(count_ground_facing_down(points), 360) << "of 3600, seed " << seed;
+  }
+}
+
+// Which are too small to be told from bodies by themselves.
+TEST(SidesOfSheets, GroundDoesNotFollowPiecesOfIt) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    Random random(seed);
+    std::vector<Vec3> points;
+    add_wood(0.0, 60.0, random, points);
+    add_wood(70.0, 85.0, random, points);
+    EXPECT_LT(count_ground_facing_down(points), 380) << "of 3825, seed " << seed;
+  }
+}
+
 // A few that are sure of it, and face down.
 TEST(SidesOfSheets, DoNotFollowFewOthers) {
   Random random(1);

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "common/parallel.h"
+#include "orientation/component_shape.h"
 #include "orientation/visibility.h"
 #include "orientation/winding_number.h"
 
@@ -12,15 +13,15 @@ namespace shrinkwrap {
 namespace {
 
 constexpr Index kGrain = 1 << 12;
-constexpr int kMostLayers = 64;             // of components within or behind components
-constexpr Index kProbes = 32;               // samples of a component that tell what it lies in
-constexpr Index kDrawnPerComponent = 32;    // at least, of each that has as many
-constexpr double kDepthTolerance = 0.7;     // x spacing of the samples drawn
-constexpr double kSeenOpenly = 0.25;        // of the possible votes: not through a wall
-constexpr double kLeastCosine = 0.1;        // of a sheet that faces a direction
-constexpr double kSteepCosine = 0.3;        // with the way to the station: beyond doubt
-constexpr double kLeastSheetNormal = 0.25;  // length of the mean normal of an open sheet, at least
-constexpr double kLeastInFront = 0.1;       // x samples of a sheet, that tell which way it faces
+constexpr int kMostLayers = 64;           // of components within or behind components
+constexpr Index kProbes = 32;             // samples of a component that tell what it lies in
+constexpr Index kDrawnPerComponent = 32;  // at least, of each that has as many
+constexpr double kDepthTolerance = 0.7;   // x spacing of the samples drawn
+constexpr double kSeenOpenly = 0.25;      // of the possible votes: not through a wall
+constexpr double kLeastCosine = 0.1;      // of a sheet that faces a direction
+constexpr double kSteepCosine = 0.3;      // with the way to the station: beyond doubt
+constexpr double kLeastGround = 0.1;      // of the samples
+constexpr double kLeastInFront = 0.02;    // x samples of a sheet, that tell which way it faces
 
 // Of every stride-th sample.
 VisibilityOptions views_of(const PointCloud& cloud, const OrientationOptions& options, Index stride,
@@ -81,30 +82,28 @@ class ComponentSigns {
     size_.assign(components, 0);
     for (Index component : forest_.component_of_sample) ++size_[component];
     waiting_.assign(components, 1);
-    sum_normals();
+    shape_ = component_shapes(cloud_, forest_);
     std::vector<char> flip(components, 0);
     std::size_t left = components;
     for (int layer = 0; left > 0 && layer < kMostLayers; ++layer) {
       const std::vector<VisibilityVote> votes = layer == 0 ? first_votes() : clear_votes();
       const std::vector<char> enclosed = layer > 0 ? within_decided(flip) : std::vector<char>();
+      has_ground_ = has_ground_ || sees_ground(votes);
       std::vector<std::size_t> seen, undecided_sheets;
       for (std::size_t c = 0; c < components; ++c) {
         if (!waiting_[c] || is_hidden(c, votes[c])) continue;
-        const double trust = votes[c].trust();
-        const bool may_be_open = is_sheet(c) && (trust < 1.0 || is_close(votes[c].majority()));
-        const double outward = may_be_open ? trust * votes[c].majority() + votes_on(c).majority()
-                                           : votes[c].majority();
+        const double outward = outwardness(c, votes[c]);
         seen.push_back(c);
         report.enclosed_components += layer > 0;
         report.undecided_components += is_close(outward);
-        if (may_be_open && is_close(outward)) {
+        if (may_be_open(c, votes[c]) && is_close(outward)) {
           undecided_sheets.push_back(c);
           continue;
         }
         // The wall of a cavity is seen from within the body.
         const bool is_cavity = layer > 0 && enclosed[c];
         flip[c] = is_cavity ? outward > 0.0 : outward < 0.0;
-        front_ += flip[c] ? Vec3(-normal_sum_[c]) : normal_sum_[c];
+        front_ += flip[c] ? Vec3(-shape_[c].normal_sum) : shape_[c].normal_sum;
         in_front_ += size_[c];
       }
       for (const std::size_t c : undecided_sheets) flip[c] = towards_front(c) < 0.0;
@@ -135,19 +134,34 @@ class ComponentSigns {
   }
   bool is_close(double majority) const { return std::abs(majority) < options_.least_vote; }
 
-  void sum_normals() {
-    normal_sum_.assign(size_.size(), Vec3(Vec3::Zero()));
-    for (Index i = 0; i < cloud_.size(); ++i)
-      normal_sum_[forest_.component_of_sample[i]] += cloud_.normal[i].cast<double>();
+  bool may_be_open(std::size_t component, const VisibilityVote& vote) const {
+    return shape_[component].is_sheet() && (vote.trust() < 1.0 || is_close(vote.majority()));
   }
-  // What closes on itself has normals all around.
-  bool is_sheet(std::size_t component) const {
-    return normal_sum_[component].norm() >= kLeastSheetNormal * size_[component];
+  // What hides a flat sheet as large as that stands on it, be it part of it or not.
+  bool is_ground(std::size_t component, const VisibilityVote& vote) const {
+    return size_[component] >= kLeastGround * cloud_.size() && may_be_open(component, vote) &&
+           shape_[component].is_flat();
   }
+  bool sees_ground(const std::vector<VisibilityVote>& votes) const {
+    for (std::size_t c = 0; c < votes.size(); ++c)
+      if (waiting_[c] && !is_hidden(c, votes[c]) && is_ground(c, votes[c])) return true;
+    return false;
+  }
+  // Positive if the normals of a component point outwards. What is flat and lies on ground or
+  // beside it may be some of it: only what others hide of it tells, such as the inner side of a
+  // roof.
+  double outwardness(std::size_t component, const VisibilityVote& vote) {
+    if (!may_be_open(component, vote)) return vote.majority();
+    if (is_ground(component, vote)) return 0.0;
+    const double by_others = vote.trust() * vote.majority();
+    if (has_ground_ && shape_[component].is_flat()) return by_others;
+    return by_others + votes_on(component).majority();
+  }
+
   // Positive if a sheet faces where the decided components do on the whole or, where these face all
   // around or are too few to tell, +z (or +y, +x if it stands upright).
   double towards_front(std::size_t component) const {
-    const Vec3& sum = normal_sum_[component];
+    const Vec3& sum = shape_[component].normal_sum;
     const bool is_clear = in_front_ >= kLeastInFront * size_[component] &&
                           front_.norm() >= kLeastSheetNormal * in_front_;
     const Vec3 front = is_clear ? front_.normalized() : Vec3(Vec3::Zero());
@@ -259,12 +273,13 @@ class ComponentSigns {
   const SampleVotes& votes_;
   const OrientationOptions& options_;
   Progress& progress_;
-  std::vector<Index> size_;       // samples of each component
-  std::vector<char> waiting_;     // components without a sign yet
-  std::vector<Vec3> normal_sum_;  // of each component
-  Vec3 front_ = Vec3::Zero();     // sum of the signed normals of the components that were decided
-  double in_front_ = 0.0;         // samples of these
-  std::vector<Index> samples_;    // by component, and where each begins: once asked for
+  std::vector<Index> size_;    // samples of each component
+  std::vector<char> waiting_;  // components without a sign yet
+  std::vector<ComponentShape> shape_;
+  Vec3 front_ = Vec3::Zero();  // sum of the signed normals of the components that were decided
+  double in_front_ = 0.0;      // samples of these
+  bool has_ground_ = false;
+  std::vector<Index> samples_;  // by component, and where each begins: once asked for
   std::vector<Index> first_;
 };
 

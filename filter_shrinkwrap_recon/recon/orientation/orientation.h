@@ -65,8 +65,9 @@ struct OrientationReport {
 ///
 /// Views are trusted as far as a component is closed (VisibilityVote::trust): what stands on an
 /// open sheet, such as the ground, hides its front. Of a sheet it counts too how convex it is, seen
-/// by itself. Sheets that are neither closed nor convex face where the other components do on the
-/// whole, unless these have few samples, or +z (or +y, +x if they stand upright). What is left
+/// by itself, unless it is flat (component_shape.h): a large flat one is taken for ground, of which
+/// no view tells. Sheets that are neither closed nor convex face where the other components do on
+/// the whole, unless these have few samples, or +z (or +y, +x if they stand upright). What is left
 /// undecided keeps the sign of the majority, however small. Then normals at edges become those of
 /// faces (crease_planes.h), unless samples are noisy or lie on lines. Then computes the tangent
 /// planes. O(N) expected time but for the union-find, O(N) memory, the same for any number of

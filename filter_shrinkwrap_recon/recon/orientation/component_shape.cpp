@@ -1,0 +1,31 @@
+#include "orientation/component_shape.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr double kFlat = 0.3;  // deviation along the mean normal, x that across
+
+}  // namespace
+
+bool ComponentShape::is_flat() const {
+  const Vec3 mean = position_sum / samples, normal = normal_sum.normalized();
+  const Eigen::Matrix3d variance = product_sum / samples - mean * mean.transpose();
+  const double along = normal.dot(variance * normal);
+  return along < kFlat * kFlat * 0.5 * (variance.trace() - along);
+}
+
+std::vector<ComponentShape> component_shapes(const PointCloud& cloud,
+                                             const SpanningForest& forest) {
+  std::vector<ComponentShape> shapes(static_cast<std::size_t>(forest.components));
+  for (Index i = 0; i < cloud.size(); ++i) {
+    ComponentShape& shape = shapes[forest.component_of_sample[i]];
+    const Vec3& p = cloud.position[i];
+    ++shape.samples;
+    shape.normal_sum += cloud.normal[i].cast<double>();
+    shape.position_sum += p;
+    shape.product_sum += p * p.transpose();
+  }
+  return shapes;
+}
+
+}  // namespace shrinkwrap
