@@ -11,7 +11,7 @@ namespace shrinkwrap {
 constexpr double kLeastSheetNormal =
     0.25;  ///< length of the mean normal of an open sheet, at least
 
-/// Sums over the samples of a component of the neighbour graph.
+/// Sums over the samples of a component of the neighbour graph, in the unit frame.
 struct ComponentShape {
   Index samples = 0;
   Vec3 normal_sum = Vec3::Zero();
@@ -20,9 +20,9 @@ struct ComponentShape {
 
   /// What closes on itself has normals all around.
   bool is_sheet() const { return normal_sum.norm() >= kLeastSheetNormal * samples; }
-  /// Flatter along its mean normal than a cap of 57 degrees: its shape does not tell its side. By
-  /// how convex it is, both would be seen alike; what stands on it makes the difference, and hides
-  /// more of its front than of its back. Pre: it is a sheet.
+  /// So flat along its mean normal that its shape makes no difference to how much is seen of
+  /// either side: flatter than a cap of the sphere that reaches 57 degrees from its middle. So is
+  /// all that is long enough, be it a vault. Pre: it is a sheet.
   bool is_flat() const;
 };
 

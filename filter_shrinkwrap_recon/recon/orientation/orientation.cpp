@@ -20,8 +20,10 @@ constexpr double kDepthTolerance = 0.7;   // x spacing of the samples drawn
 constexpr double kSeenOpenly = 0.25;      // of the possible votes: not through a wall
 constexpr double kLeastCosine = 0.1;      // of a sheet that faces a direction
 constexpr double kSteepCosine = 0.3;      // with the way to the station: beyond doubt
-constexpr double kLeastGround = 0.1;      // of the samples
-constexpr double kLeastInFront = 0.02;    // x samples of a sheet, that tell which way it faces
+constexpr double kLeastGround = 0.1;      // of the samples: flat pieces of bodies are less, mostly
+constexpr double kLeastInFront = 0.02;    // x samples of a sheet, to tell which way it faces: a few
+                                          // houses are, but no stray sets
+constexpr double kUnknown = 2.0;          // no majority
 
 // Of every stride-th sample.
 VisibilityOptions views_of(const PointCloud& cloud, const OrientationOptions& options, Index stride,
@@ -79,10 +81,10 @@ class ComponentSigns {
   // For each component, whether to flip it.
   std::vector<char> decide(OrientationReport& report) {
     const auto components = static_cast<std::size_t>(forest_.components);
-    size_.assign(components, 0);
-    for (Index component : forest_.component_of_sample) ++size_[component];
-    waiting_.assign(components, 1);
     shape_ = component_shapes(cloud_, forest_);
+    for (const ComponentShape& shape : shape_) size_.push_back(shape.samples);
+    by_itself_.assign(components, kUnknown);
+    waiting_.assign(components, 1);
     std::vector<char> flip(components, 0);
     std::size_t left = components;
     for (int layer = 0; left > 0 && layer < kMostLayers; ++layer) {
@@ -92,21 +94,26 @@ class ComponentSigns {
       std::vector<std::size_t> seen, undecided_sheets;
       for (std::size_t c = 0; c < components; ++c) {
         if (!waiting_[c] || is_hidden(c, votes[c])) continue;
-        const double outward = outwardness(c, votes[c]);
+        const bool is_of_ground = is_ground(c, votes[c]);
+        const double outward = is_of_ground ? 0.0 : measure_outwardness(c, votes[c]);
         seen.push_back(c);
         report.enclosed_components += layer > 0;
-        report.undecided_components += is_close(outward);
-        if (may_be_open(c, votes[c]) && is_close(outward)) {
+        report.undecided_components += is_of_ground || is_close(outward);
+        if (is_of_ground || (may_be_open(c, votes[c]) && is_close(outward))) {
           undecided_sheets.push_back(c);
           continue;
         }
         // The wall of a cavity is seen from within the body.
         const bool is_cavity = layer > 0 && enclosed[c];
         flip[c] = is_cavity ? outward > 0.0 : outward < 0.0;
-        front_ += flip[c] ? Vec3(-shape_[c].normal_sum) : shape_[c].normal_sum;
-        in_front_ += size_[c];
+        add_to_front(c, flip[c]);
       }
-      for (const std::size_t c : undecided_sheets) flip[c] = towards_front(c) < 0.0;
+      std::stable_sort(undecided_sheets.begin(), undecided_sheets.end(),
+                       [&](std::size_t a, std::size_t b) { return size_[a] > size_[b]; });
+      for (const std::size_t c : undecided_sheets) {
+        flip[c] = towards_front(c) < 0.0;
+        add_to_front(c, flip[c]);
+      }
       for (const std::size_t c : seen) waiting_[c] = 0;
       const std::size_t decided = seen.size();
       if (decided == 0) break;
@@ -137,29 +144,39 @@ class ComponentSigns {
   bool may_be_open(std::size_t component, const VisibilityVote& vote) const {
     return shape_[component].is_sheet() && (vote.trust() < 1.0 || is_close(vote.majority()));
   }
-  // What hides a flat sheet as large as that stands on it, be it part of it or not.
-  bool is_ground(std::size_t component, const VisibilityVote& vote) const {
+  // A large flat sheet of which, by itself, more is seen from one side though its shape does not
+  // tell: what stands on it hides its front. What only others hide, such as the inner side of a
+  // roof or of a face, tells its side.
+  bool is_ground(std::size_t component, const VisibilityVote& vote) {
     return size_[component] >= kLeastGround * cloud_.size() && may_be_open(component, vote) &&
-           shape_[component].is_flat();
+           shape_[component].is_flat() && !is_close(majority_by_itself(component));
   }
-  bool sees_ground(const std::vector<VisibilityVote>& votes) const {
+  bool sees_ground(const std::vector<VisibilityVote>& votes) {
     for (std::size_t c = 0; c < votes.size(); ++c)
       if (waiting_[c] && !is_hidden(c, votes[c]) && is_ground(c, votes[c])) return true;
     return false;
   }
-  // Positive if the normals of a component point outwards. What is flat and lies on ground or
-  // beside it may be some of it: only what others hide of it tells, such as the inner side of a
-  // roof.
-  double outwardness(std::size_t component, const VisibilityVote& vote) {
+  // Positive if the normals of a component point outwards. Where there is ground, what is flat may
+  // be a piece of it, that would tell as little by itself. Pre: it is not ground.
+  double measure_outwardness(std::size_t component, const VisibilityVote& vote) {
     if (!may_be_open(component, vote)) return vote.majority();
-    if (is_ground(component, vote)) return 0.0;
-    const double by_others = vote.trust() * vote.majority();
-    if (has_ground_ && shape_[component].is_flat()) return by_others;
-    return by_others + votes_on(component).majority();
+    const double among_others = vote.trust() * vote.majority();
+    if (has_ground_ && shape_[component].is_flat()) return among_others;
+    return among_others + majority_by_itself(component);
+  }
+  double majority_by_itself(std::size_t component) {
+    double& known = by_itself_[component];
+    if (known == kUnknown) known = votes_on(component).majority();
+    return known;
+  }
+  void add_to_front(std::size_t component, bool is_flipped) {
+    const Vec3& sum = shape_[component].normal_sum;
+    front_ += is_flipped ? Vec3(-sum) : sum;
+    in_front_ += size_[component];
   }
 
-  // Positive if a sheet faces where the decided components do on the whole or, where these face all
-  // around or are too few to tell, +z (or +y, +x if it stands upright).
+  // Positive if a sheet faces where the components that have a sign do on the whole or, where these
+  // face all around or are too few to tell, +z (or +y, +x if it stands upright).
   double towards_front(std::size_t component) const {
     const Vec3& sum = shape_[component].normal_sum;
     const bool is_clear = in_front_ >= kLeastInFront * size_[component] &&
@@ -276,10 +293,11 @@ class ComponentSigns {
   std::vector<Index> size_;    // samples of each component
   std::vector<char> waiting_;  // components without a sign yet
   std::vector<ComponentShape> shape_;
-  Vec3 front_ = Vec3::Zero();  // sum of the signed normals of the components that were decided
-  double in_front_ = 0.0;      // samples of these
-  bool has_ground_ = false;
-  std::vector<Index> samples_;  // by component, and where each begins: once asked for
+  std::vector<double> by_itself_;  // majority of the votes on each component as if it were alone
+  Vec3 front_ = Vec3::Zero();      // sum of the signed normals of the components that have a sign
+  double in_front_ = 0.0;          // samples of these
+  bool has_ground_ = false;        // among the components seen so far
+  std::vector<Index> samples_;     // by component, and where each begins: once asked for
   std::vector<Index> first_;
 };
 

@@ -42,11 +42,12 @@ struct OrientationReport {
   Index components = 0;  ///< of the neighbour graph
   Index enclosed_components =
       0;  ///< nobody sees them from outside, but through others: walls of cavities, and the like
-  Index undecided_components = 0;  ///< seen as much from one side as from the other: open sheets
-  Index turned = 0;                ///< samples of hidden patches that were inside out
-  Index poled = 0;                 ///< samples whose normals became the ways to their poles
-  Index creased = 0;               ///< samples whose planes became those of faces at an edge
-  double closedness = 1.0;         ///< of the whole cloud: PointCloud::closedness
+  Index undecided_components =
+      0;                    ///< no view tells: open sheets seen alike from both sides, ground
+  Index turned = 0;         ///< samples of hidden patches that were inside out
+  Index poled = 0;          ///< samples whose normals became the ways to their poles
+  Index creased = 0;        ///< samples whose planes became those of faces at an edge
+  double closedness = 1.0;  ///< of the whole cloud: PointCloud::closedness
 };
 
 /// Gives the normals of the cloud a consistent outward sign. Before that, those of thin parts
@@ -65,13 +66,13 @@ struct OrientationReport {
 ///
 /// Views are trusted as far as a component is closed (VisibilityVote::trust): what stands on an
 /// open sheet, such as the ground, hides its front. Of a sheet it counts too how convex it is, seen
-/// by itself, unless it is flat (component_shape.h): a large flat one is taken for ground, of which
-/// no view tells. Sheets that are neither closed nor convex face where the other components do on
-/// the whole, unless these have few samples, or +z (or +y, +x if they stand upright). What is left
-/// undecided keeps the sign of the majority, however small. Then normals at edges become those of
-/// faces (crease_planes.h), unless samples are noisy or lie on lines. Then computes the tangent
-/// planes. O(N) expected time but for the union-find, O(N) memory, the same for any number of
-/// threads.
+/// by itself. A large flat one (component_shape.h) is taken for ground, of which no view tells, nor
+/// of other flat ones by themselves then. Sheets that are neither closed nor convex face where the
+/// other components do on the whole, unless these have few samples, or +z (or +y, +x if they stand
+/// upright). What is left undecided keeps the sign of the majority, however small. Then normals at
+/// edges become those of faces (crease_planes.h), unless samples are noisy or lie on lines. Then
+/// computes the tangent planes. O(N) expected time but for the union-find, O(N) memory, the same
+/// for any number of threads.
 OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& options,
                                  Progress& progress);
 

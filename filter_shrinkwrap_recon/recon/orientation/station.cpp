@@ -14,6 +14,7 @@ namespace {
 
 constexpr Index kGrain = 1 << 12;
 constexpr double kCell = 3.0;           // x angle between samples
+constexpr double kLeastUpright = 0.7;   // cosine with +z, of the mean normal of what lies below
 constexpr double kLeastCell = 0x1p-19;  // of directions, for three to fit into a key
 
 // How a sample is seen.
@@ -127,11 +128,11 @@ bool is_view_from(const PointCloud& cloud, const Vec3& station, const StationOpt
   if (!(left < options.most_spread_left)) return false;
   const bool is_sure = left < options.spread_left_for_sure;
   const Vec3 normal = mean_normal_towards(cloud, station);
-  if (normal.norm() < options.least_sheet_normal) return false;
-  const bool is_above = normal.z() >= options.least_sheet_normal;
+  if (!(normal.norm() >= options.least_sheet_normal)) return false;
+  const bool is_above = normal.z() > kLeastUpright * normal.norm();
   if (!(is_sure && is_above) &&
-      left >= options.most_over_opposite *
-                  spread_left_from(cloud, opposite_of(station, cloud), progress))
+      !(left < options.most_over_opposite *
+                   spread_left_from(cloud, opposite_of(station, cloud), progress)))
     return false;
   return part_hidden_from(cloud, station, progress) <=
          (is_sure ? options.most_hidden : options.most_hidden_in_doubt);

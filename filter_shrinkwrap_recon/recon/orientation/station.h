@@ -10,15 +10,16 @@ struct StationOptions {
   /// to the station. Of views of depth cameras and scanners 0.01 to 0.28 is. 0: no place is taken
   /// for a station.
   double most_spread_left = 0.5;
-  /// Beyond doubt a place is a station if less than this is left. A quarter may be left of what is
-  /// sparser farther away for other reasons.
+  /// Beyond doubt a place is a station if less than this is left. Of an open dome that is ten times
+  /// as dense on one side, a quarter and more is left from some places.
   double spread_left_for_sure = 0.1;
   /// Less than so much, x what is left if they are put down to the way to the place opposite: a
   /// sheet is as dense as seen from behind, too, if all of it is as far away, or all around. Then
-  /// only a place beyond doubt, above the sheet (+z), is a station.
+  /// only a place beyond doubt, with the sheet below it (+z is up), is a station.
   double most_over_opposite = 0.5;
-  double most_hidden = 0.35;  ///< of the area; of a closed surface about half is
-  double most_hidden_in_doubt = 0.1;
+  double most_hidden = 0.35;  ///< of the area, beyond doubt; of a closed surface about half is
+  double most_hidden_in_doubt = 0.1;  ///< if more of the spread is left: the same dome hides more,
+                                      ///< the view with 0.28 left hides 0.04
   /// Length of the mean of the normals over the area, turned to the station, at least: that of what
   /// closes around the station, as a room does, is none, and makes a body.
   double least_sheet_normal = 0.3;
