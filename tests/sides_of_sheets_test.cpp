@@ -166,6 +166,26 @@ TEST(SidesOfSheets, FollowOthersThatAreNotFew) {
   }
 }
 
+// Flat on the whole, as it is long.
+TEST(SidesOfSheets, HalfAPipeFacesOutwards) {
+  for (const double side : {1.0, -1.0}) {
+    Random random(3);
+    std::vector<Vec3> points;
+    for (int i = 0; i < 6000; ++i) {
+      const double around = random.uniform(0.0, kPi);
+      points.emplace_back(random.uniform(0.0, 8.0), std::cos(around), side * std::sin(around));
+    }
+    PointCloud cloud = prepared_cloud(points);
+    orient(cloud);
+    for (Index i = 0; i < cloud.size(); ++i)
+      ASSERT_GT(cloud.frame.to_input(cloud.position[i])
+                    .tail<2>()
+                    .dot(cloud.normal[i].tail<2>().cast<double>()),
+                0.0)
+          << side;
+  }
+}
+
 TEST(SidesOfSheets, SaysThatTheyHaveNoOutside) {
   Random random(6);
   std::vector<Vec3> points;

@@ -1,11 +1,15 @@
 #include "orientation/component_shape.h"
 
+#include <Eigen/Eigenvalues>
+
 namespace shrinkwrap {
 namespace {
 
-// Deviation along the mean normal, x that across: of a cap of the sphere, 57 degrees from
-// its middle to its rim. Such a cap has votes of less than 0.01.
+// Deviation along the mean normal, x that across: of a cap of the sphere, 57 degrees from its
+// middle to its rim. Such a cap has votes of less than 0.01.
 constexpr double kFlat = 0.3;
+// x the lesser deviation across, of what is long: less than half of a pipe has, 0.44.
+constexpr double kFlatAcross = 0.4;
 
 }  // namespace
 
@@ -13,7 +17,11 @@ bool ComponentShape::is_flat() const {
   const Vec3 mean = position_sum / samples, normal = normal_sum.normalized();
   const Eigen::Matrix3d variance = product_sum / samples - mean * mean.transpose();
   const double along = normal.dot(variance * normal);
-  return along < kFlat * kFlat * 0.5 * (variance.trace() - along);
+  const Eigen::Matrix3d onto_plane = Eigen::Matrix3d::Identity() - normal * normal.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> across(
+      onto_plane * variance * onto_plane, Eigen::EigenvaluesOnly);  // ascending, the first one 0
+  return along < kFlat * kFlat * 0.5 * (variance.trace() - along) &&
+         along < kFlatAcross * kFlatAcross * across.eigenvalues()[1];
 }
 
 std::vector<ComponentShape> component_shapes(const PointCloud& cloud,

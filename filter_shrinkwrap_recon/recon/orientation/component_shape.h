@@ -21,8 +21,8 @@ struct ComponentShape {
   /// What closes on itself has normals all around.
   bool is_sheet() const { return normal_sum.norm() >= kLeastSheetNormal * samples; }
   /// So flat along its mean normal that its shape makes no difference to how much is seen of
-  /// either side: flatter than a cap of the sphere that reaches 57 degrees from its middle. So is
-  /// all that is long enough, be it a vault. Pre: it is a sheet.
+  /// either side: flatter than a cap of the sphere that reaches 57 degrees from its middle, and
+  /// than half of a pipe. Pre: it is a sheet.
   bool is_flat() const;
 };
 

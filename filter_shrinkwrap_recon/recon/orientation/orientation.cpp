@@ -156,13 +156,12 @@ class ComponentSigns {
       if (waiting_[c] && !is_hidden(c, votes[c]) && is_ground(c, votes[c])) return true;
     return false;
   }
-  // Positive if the normals of a component point outwards. Where there is ground, what is flat may
-  // be a piece of it, that would tell as little by itself. Pre: it is not ground.
+  // Positive if the normals of a component point outwards. Where there is ground, a sheet
+  // may be a piece of it, that would tell as little by itself. Pre: it is not ground.
   double measure_outwardness(std::size_t component, const VisibilityVote& vote) {
     if (!may_be_open(component, vote)) return vote.majority();
     const double among_others = vote.trust() * vote.majority();
-    if (has_ground_ && shape_[component].is_flat()) return among_others;
-    return among_others + majority_by_itself(component);
+    return has_ground_ ? among_others : among_others + majority_by_itself(component);
   }
   double majority_by_itself(std::size_t component) {
     double& known = by_itself_[component];

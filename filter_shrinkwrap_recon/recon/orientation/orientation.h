@@ -67,7 +67,7 @@ struct OrientationReport {
 /// Views are trusted as far as a component is closed (VisibilityVote::trust): what stands on an
 /// open sheet, such as the ground, hides its front. Of a sheet it counts too how convex it is, seen
 /// by itself. A large flat one (component_shape.h) is taken for ground, of which no view tells, nor
-/// of other flat ones by themselves then. Sheets that are neither closed nor convex face where the
+/// of other sheets by themselves then. Sheets that are neither closed nor convex face where the
 /// other components do on the whole, unless these have few samples, or +z (or +y, +x if they stand
 /// upright). What is left undecided keeps the sign of the majority, however small. Then normals at
 /// edges become those of faces (crease_planes.h), unless samples are noisy or lie on lines. Then
