@@ -119,9 +119,8 @@ void warn_of(const OrientationReport& report, std::vector<std::string>& warnings
   if (report.undecided_components > 0)
     warnings.push_back(count_of(report.undecided_components, "part") +
                        " of the cloud can be seen from either side alike, or from neither, or is "
-                       "ground: which side is "
-                       "outside is a guess (upwards, of ground). Where it is wrong, turn the mesh "
-                       "(filter \"Invert Faces Orientation\").");
+                       "ground: which side is outside is a guess (upwards, of ground). Where it is "
+                       "wrong, turn the mesh (filter \"Invert Faces Orientation\").");
 }
 
 void tell_of_noise(Filter filter, const NoiseEstimate& noise, const DenoisingReport& denoising,

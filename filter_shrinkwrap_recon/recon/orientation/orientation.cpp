@@ -156,8 +156,8 @@ class ComponentSigns {
       if (waiting_[c] && !is_hidden(c, votes[c]) && is_ground(c, votes[c])) return true;
     return false;
   }
-  // Positive if the normals of a component point outwards. Where there is ground, a sheet
-  // may be a piece of it, that would tell as little by itself. Pre: it is not ground.
+  // Positive if the normals of a component point outwards. Where there is ground, a sheet may be
+  // a piece of it, that would tell as little by itself. Pre: it is not ground.
   double measure_outwardness(std::size_t component, const VisibilityVote& vote) {
     if (!may_be_open(component, vote)) return vote.majority();
     const double among_others = vote.trust() * vote.majority();
