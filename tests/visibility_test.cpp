@@ -21,8 +21,10 @@ void add_square(PointCloud& cloud, double z, int width) {
 }
 
 std::vector<VisibilityVote> votes_on_all(const PointCloud& cloud, double spacing,
-                                         const std::vector<Index>* component = nullptr) {
+                                         const std::vector<Index>* component = nullptr,
+                                         const Vec3& front = Vec3::Zero()) {
   VisibilityOptions options;
+  options.front = front;
   options.pixel = 1.5 * spacing;
   options.depth_tolerance = 0.7 * spacing;
   std::vector<Index> drawn;
@@ -45,6 +47,18 @@ TEST(Visibility, BothSidesOfASheetAreSeen) {
     sum.add(vote);
   }
   EXPECT_EQ(sum.trust(), 0.0);
+}
+
+TEST(Visibility, FromOneSideThatSideIsSeen) {
+  PointCloud cloud;
+  add_square(cloud, 0.0, kWidth);
+  for (const double side : {1.0, -1.0})
+    for (const VisibilityVote& vote :
+         votes_on_all(cloud, 1.0 / kWidth, nullptr, Vec3(0.0, 0.0, side))) {
+      EXPECT_GT(vote.seen, 0.96 * vote.possible);
+      EXPECT_EQ(vote.outward, side * vote.seen);
+      EXPECT_EQ(vote.closed, vote.possible) << "nobody sees the other side";
+    }
 }
 
 TEST(Visibility, OneSideOfEachOfTwoSheetsIsSeen) {

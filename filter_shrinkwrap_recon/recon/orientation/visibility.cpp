@@ -26,6 +26,15 @@ Vec3 view_direction(int index, int count) {
   return {radius * std::cos(index * kGoldenAngle), radius * std::sin(index * kGoldenAngle), z};
 }
 
+std::vector<Vec3f> view_directions(const VisibilityOptions& options) {
+  std::vector<Vec3f> directions;
+  for (int i = 0; i < options.directions; ++i) {
+    const Vec3 direction = view_direction(i, options.directions);
+    if (direction.dot(options.front) >= 0.0) directions.push_back(direction.cast<float>());
+  }
+  return directions;
+}
+
 // An orthographic depth buffer looking along -direction; larger depth is nearer to the viewer.
 class DepthBuffer {
  public:
@@ -95,7 +104,7 @@ double affordable_pixel(const std::vector<Vec3f>& points, double pixel) {
   return std::max({pixel, diagonal / std::sqrt(pixels), 1e-6});
 }
 
-// The views in front of a sample and behind it, half of those possible each.
+// The views in front of a sample and behind it: half of those possible each, from all around.
 VisibilityVote vote_of(double possible, double in_front, double behind, double foremost) {
   const double more = std::max(in_front, behind), less = std::min(in_front, behind);
   if (more <= 0.0) return {possible, 0.0, 0.0, possible};
@@ -144,16 +153,18 @@ std::vector<VisibilityVote> visibility_votes(const PointCloud& cloud,
     std::vector<char> seen, foremost;
   };
   std::vector<View> views(kDirectionsAtOnce);
+  const std::vector<Vec3f> directions = view_directions(options);
+  const int direction_count = static_cast<int>(directions.size());
   struct Sums {
     double possible = 0.0, in_front = 0.0, behind = 0.0, foremost = 0.0;
   };
   std::vector<Sums> sums(drawn.size());
   Progress silent;
-  for (int first = 0; first < options.directions; first += kDirectionsAtOnce) {
-    const int count = std::min(kDirectionsAtOnce, options.directions - first);
+  for (int first = 0; first < direction_count; first += kDirectionsAtOnce) {
+    const int count = std::min(kDirectionsAtOnce, direction_count - first);
     parallel_for_each(count, 1, silent, [&](Index v) {
       View& view = views[v];
-      const Vec3f direction = view_direction(first + v, options.directions).cast<float>();
+      const Vec3f& direction = directions[first + v];
       view.buffer.draw(points, direction, pixel, view.pixels);
       view.cosine.assign(points.size(), 0.0f);
       view.seen.assign(points.size(), 0);
@@ -181,7 +192,7 @@ std::vector<VisibilityVote> visibility_votes(const PointCloud& cloud,
           (cosine > 0.0 ? sums[i].in_front : sums[i].behind) += std::abs(cosine);
         if (views[v].foremost[i]) sums[i].foremost += std::abs(cosine);
       }
-    progress.update(static_cast<double>(first + count) / options.directions);
+    progress.update(static_cast<double>(first + count) / direction_count);
   }
   std::vector<VisibilityVote> votes;
   votes.reserve(sums.size());

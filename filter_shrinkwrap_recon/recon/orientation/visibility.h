@@ -13,7 +13,8 @@ struct VisibilityVote {
   double outward = 0.0;   ///< how much more those on the side that the normal points to see it than
                           ///< the others; the less, the more alike both sides are seen
   double closed = 0.0;    ///< x possible: 1 where nobody sees the other side, as within a body, 0
-                          ///< where a quarter of the views does, as on both sides of an open sheet
+                          ///< where a quarter of the views does, as on both sides of an open sheet;
+                        ///< by views from one side (VisibilityOptions::front) 1 of what faces them
   double foremost = 0.0;  ///< as `seen`, where the foremost sample is of the same component
 
   /// In [-1, 1]: how much more the side that the normals point to is seen than the other.
@@ -35,7 +36,8 @@ struct VisibilityVote {
 };
 
 struct VisibilityOptions {
-  int directions = 96;
+  int directions = 96;        ///< all around, of which those on the side of `front` vote
+  Vec3 front = Vec3::Zero();  ///< within 90 degrees of it; zero: all do
   double min_cosine = 0.5;
   double pixel = 0.0;            ///< edge of a pixel, unit frame
   double depth_tolerance = 0.0;  ///< a sample this much behind the foremost is still seen
