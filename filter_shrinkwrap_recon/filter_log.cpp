@@ -1,5 +1,6 @@
 #include "filter_log.h"
 
+#include <cmath>
 #include <cstdio>
 
 namespace shrinkwrap {
@@ -116,11 +117,22 @@ std::string detail_verdict(const char* what, const ResultMesh& mesh) {
 }
 
 void warn_of(const OrientationReport& report, std::vector<std::string>& warnings) {
-  if (report.undecided_components > 0)
-    warnings.push_back(count_of(report.undecided_components, "part") +
+  const Index undecided = report.undecided_components - (report.ground.isZero() ? 0 : 1);
+  if (undecided > 0)
+    warnings.push_back(count_of(undecided, "part") +
                        " of the cloud can be seen from either side alike, or from neither, or is "
                        "ground: which side is outside is a guess (upwards, of ground). Where it is "
                        "wrong, turn the mesh (filter \"Invert Faces Orientation\").");
+  if (report.ground.isZero()) return;
+  std::string front;
+  for (int axis = 0; axis < 3; ++axis)  // without -0.00
+    front += (axis > 0 ? ", " : "") +
+             formatted("%.2f", std::round(report.ground[axis] * 100.0) / 100.0 + 0.0);
+  warnings.push_back(
+      "A flat open sheet was taken for ground that faces (" + front +
+      "), and the rest of the cloud to be seen from that side of it. Where that is its "
+      "back, turn the mesh (filter \"Invert Faces Orientation\") or, if much stands on "
+      "the ground, the points until it faces +z, and run again.");
 }
 
 void tell_of_noise(Filter filter, const NoiseEstimate& noise, const DenoisingReport& denoising,

@@ -1,5 +1,5 @@
 // Which side of each sample is outside: propagation over a spanning tree, then one visibility vote
-// per component.
+// per component; once more where all was seen from one side of the ground.
 #pragma once
 
 #include "orientation/crease_planes.h"
@@ -23,6 +23,8 @@ struct OrientationOptions {
   double least_vote = 0.02;     ///< undecided below this part of the votes there could have been
   double least_visible = 0.02;  ///< hidden if this part or less of the possible votes was cast, or
                                 ///< nearly all of them through other components
+  double least_ground = 0.1;    ///< of the samples, a flat sheet that may be ground has at least;
+                                ///< flat pieces of bodies have less, mostly; above 1: no ground
   Index propagation_samples =
       64000;                        ///< drawn, at most, for the views that have a say in signs ...
   Index judging_samples = 2000000;  ///< ... and for those that judge what came of it, from
@@ -43,11 +45,13 @@ struct OrientationReport {
   Index enclosed_components =
       0;  ///< nobody sees them from outside, but through others: walls of cavities, and the like
   Index undecided_components =
-      0;                    ///< no view tells: open sheets seen alike from both sides, ground
-  Index turned = 0;         ///< samples of hidden patches that were inside out
-  Index poled = 0;          ///< samples whose normals became the ways to their poles
-  Index creased = 0;        ///< samples whose planes became those of faces at an edge
-  double closedness = 1.0;  ///< of the whole cloud: PointCloud::closedness
+      0;  ///< no view tells: open sheets seen alike from both sides, ground (which counts as one)
+  Vec3 ground = Vec3::Zero();  ///< which way ground faces (unit), from where all was seen then;
+                               ///< zero if there is none, or not all was
+  Index turned = 0;            ///< samples of hidden patches that were inside out
+  Index poled = 0;             ///< samples whose normals became the ways to their poles
+  Index creased = 0;           ///< samples whose planes became those of faces at an edge
+  double closedness = 1.0;     ///< of the whole cloud: PointCloud::closedness
 };
 
 /// Gives the normals of the cloud a consistent outward sign. Before that, those of thin parts
@@ -69,10 +73,14 @@ struct OrientationReport {
 /// by itself. A large flat one (component_shape.h) is taken for ground, of which no view tells, nor
 /// of other sheets by themselves then. Sheets that are neither closed nor convex face where the
 /// other components do on the whole, unless these have few samples, or +z (or +y, +x if they stand
-/// upright). What is left undecided keeps the sign of the majority, however small. Then normals at
-/// edges become those of faces (crease_planes.h), unless samples are noisy or lie on lines. Then
-/// computes the tangent planes. O(N) expected time but for the union-find, O(N) memory, the same
-/// for any number of threads.
+/// upright). What is left undecided keeps the sign of the majority, however small. If the largest
+/// of the flat sheets of which no view tells faces where all of the cloud does on the whole, signs
+/// are then found once more, of the neighbours and of the components, by views from that side alone
+/// (sample_views.h): nobody was behind it.
+///
+/// Then normals at edges become those of faces (crease_planes.h), unless samples are noisy or lie
+/// on lines. Then computes the tangent planes. O(N) expected time but for the union-find and, where
+/// there is ground, a search tree of O(N log N); O(N) memory, the same for any number of threads.
 OrientationReport orient_normals(PointCloud& cloud, const OrientationOptions& options,
                                  Progress& progress);
 
