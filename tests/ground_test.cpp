@@ -107,7 +107,7 @@ TEST(Ground, CeilingsFaceDown) {
   }
 }
 
-// Its ceiling is above its floor, too. Views all around take the room for a body of its own.
+// Its ceiling is above its floor, too. By views from all around alone 1,139 samples are wrong.
 TEST(Ground, AClosedRoomInAHouseFacesInwards) {
   Random random(3);
   Scene scene;
