@@ -101,23 +101,16 @@ void add_lower_half_of_ball(std::size_t count, Random& random, std::vector<Vec3>
   }
 }
 
-struct Growth {
-  int samples = 1;  // one above the other
-  double low = 0.5, high = 3.0;
-};
-
 // Uneven ground from x = `left` to `right`, as wide as it is long or 60, half of it below what
 // grows on it: that is no surface.
-void add_wood(double left, double right, const Growth& growth, Random& random,
-              std::vector<Vec3>& points) {
+void add_wood(double left, double right, Random& random, std::vector<Vec3>& points) {
   const double width = std::min(right - left, 60.0);
   for (double x = left; x < right; ++x)
     for (double y = 0.0; y < width; ++y) {
       const auto within = [&](double at) { return at + random.uniform(-0.3, 0.3); };
       points.emplace_back(within(x), within(y), 0.05 * random.gaussian());
       if (std::sin(0.4 * x) * std::sin(0.4 * y) < 0.0) continue;
-      for (int k = 0; k < growth.samples; ++k)
-        points.emplace_back(within(x), within(y), random.uniform(growth.low, growth.high));
+      points.emplace_back(within(x), within(y), random.uniform(0.5, 3.0));
     }
 }
 // Of the ground beyond x = `left`.
@@ -135,22 +128,10 @@ TEST(SidesOfSheets, GroundFacesUpUnderAWood) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     Random random(seed);
     std::vector<Vec3> points;
-    add_wood(0.0, 60.0, {}, random, points);
+    add_wood(0.0, 60.0, random, points);
     PointCloud cloud = prepared_cloud(points);
     orient(cloud);
     EXPECT_LT(count_facing_down(cloud, -1.0), 360) << "of 3600, seed " << seed;
-  }
-}
-
-// Which hides the ground so well that views would be trusted.
-TEST(SidesOfSheets, GroundFacesUpUnderADenseWood) {
-  for (unsigned seed = 1; seed <= 2; ++seed) {
-    Random random(seed);
-    std::vector<Vec3> points;
-    add_wood(0.0, 60.0, {2, 1.0, 6.0}, random, points);
-    PointCloud cloud = prepared_cloud(points);
-    EXPECT_EQ(orient(cloud).closedness, 1.0);
-    EXPECT_LT(count_facing_down(cloud, -1.0), 36) << "of 3600, seed " << seed;
   }
 }
 
@@ -159,8 +140,8 @@ TEST(SidesOfSheets, GroundDoesNotFollowPiecesOfIt) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     Random random(seed);
     std::vector<Vec3> points;
-    add_wood(0.0, 60.0, {}, random, points);
-    add_wood(70.0, 85.0, {}, random, points);
+    add_wood(0.0, 60.0, random, points);
+    add_wood(70.0, 85.0, random, points);
     add_lower_half_of_ball(60, random, points);
     PointCloud cloud = prepared_cloud(points);
     orient(cloud);

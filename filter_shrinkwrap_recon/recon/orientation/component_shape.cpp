@@ -31,11 +31,7 @@ std::vector<ComponentShape> component_shapes(const PointCloud& cloud,
     ComponentShape& shape = shapes[forest.component_of_sample[i]];
     const Vec3& p = cloud.position[i];
     ++shape.samples;
-    const Vec3 normal = cloud.normal[i].cast<double>();
-    const double area = static_cast<double>(cloud.local_spacing[i]) * cloud.local_spacing[i];
-    shape.normal_sum += normal;
-    shape.area += area;
-    shape.area_normal_sum += area * normal;
+    shape.normal_sum += cloud.normal[i].cast<double>();
     shape.position_sum += p;
     shape.product_sum += p * p.transpose();
   }

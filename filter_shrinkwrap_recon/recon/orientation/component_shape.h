@@ -15,8 +15,6 @@ constexpr double kLeastSheetNormal =
 struct ComponentShape {
   Index samples = 0;
   Vec3 normal_sum = Vec3::Zero();
-  double area = 0.0;                    ///< of all samples, each a square of its local spacing
-  Vec3 area_normal_sum = Vec3::Zero();  ///< of normals x area: zero of what is closed
   Vec3 position_sum = Vec3::Zero();
   Eigen::Matrix3d product_sum = Eigen::Matrix3d::Zero();  ///< of positions with themselves
 

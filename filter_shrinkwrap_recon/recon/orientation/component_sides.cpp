@@ -17,7 +17,6 @@ constexpr double kSeenOpenly = 0.25;      // of the possible votes: not through 
 constexpr double kLeastCosine = 0.1;      // of a sheet that faces a direction
 constexpr double kLeastInFront = 0.02;    // x samples of a sheet, to tell which way it faces: a few
                                           // houses are, but no stray sets
-constexpr double kMostOfClosed = 0.1;     // mean normal over the area of what is closed
 constexpr double kUnknown = 2.0;          // no majority
 
 // Chooses a sign for every component, layer by layer from outside.
@@ -107,33 +106,19 @@ class ComponentSigns {
     return size_[component] >= options_.least_ground * cloud_.size() && shape.is_sheet() &&
            shape.is_flat();
   }
-  // So open that all others together could not close it.
-  bool is_open_for_sure(std::size_t component) const {
-    double others = 0.0;
-    for (std::size_t c = 0; c < shape_.size(); ++c)
-      if (c != component) others += shape_[c].area;
-    const ComponentShape& shape = shape_[component];
-    return shape.area_normal_sum.norm() > others + kMostOfClosed * shape.area;
-  }
   // A large flat sheet of which, by itself, more is seen from one side though its shape does not
-  // tell: what stands on it hides its front, maybe so well that views would be trusted. What only
-  // others hide, such as the inner side of a roof or of a face, tells its side. Views from where
-  // the ground faces tell of it as of everything.
+  // tell: what stands on it hides its front. What only others hide, such as the inner side of a
+  // roof or of a face, tells its side. Views from where the ground faces tell of it as of
+  // everything.
   bool is_ground(std::size_t component, const VisibilityVote& vote) {
     return !views_.are_from_one_side() && is_large_flat_sheet(component) &&
-           (may_be_open(component, vote) || is_open_for_sure(component)) &&
-           !is_close(majority_by_itself(component));
+           may_be_open(component, vote) && !is_close(majority_by_itself(component));
   }
-  // Whether the cloud as a whole, of these sides, is a sheet of that front: by its samples, as they
-  // may be far apart where normals are off, and by its area, as a body may be denser on one side.
+  // Whether the cloud as a whole, of these sides, is a sheet of that front.
   bool do_all_face(const Vec3& front, const std::vector<char>& flip) const {
-    double along = 0.0, area_along = 0.0, area = 0.0;
-    for (std::size_t c = 0; c < shape_.size(); ++c) {
-      along += signed_normal(c, flip[c]).dot(front);
-      area_along += (flip[c] ? -1.0 : 1.0) * shape_[c].area_normal_sum.dot(front);
-      area += shape_[c].area;
-    }
-    return along > kLeastSheetNormal * cloud_.size() && area_along > kLeastSheetNormal * area;
+    double along = 0.0;
+    for (std::size_t c = 0; c < shape_.size(); ++c) along += signed_normal(c, flip[c]).dot(front);
+    return along > kLeastSheetNormal * cloud_.size();
   }
   bool sees_ground(const std::vector<VisibilityVote>& votes) {
     for (std::size_t c = 0; c < votes.size(); ++c)

@@ -14,7 +14,7 @@ struct VisibilityVote {
                           ///< the others; the less, the more alike both sides are seen
   double closed = 0.0;    ///< x possible: 1 where nobody sees the other side, as within a body, 0
                           ///< where a quarter of the views does, as on both sides of an open sheet;
-                        ///< by views from one side (VisibilityOptions::front) 1 of what faces them
+  ///< by views from one side (VisibilityOptions::front) 1 of what faces them
   double foremost = 0.0;  ///< as `seen`, where the foremost sample is of the same component
 
   /// In [-1, 1]: how much more the side that the normals point to is seen than the other.
