@@ -231,6 +231,7 @@ FilterOutcome run_parametric_surface(const FilterRequest& request, const FilterI
       prepare_oriented(Filter::parametric_surface, input, options, samples, progress, outcome);
   FittedSurface fitted =
       fit_surface(closed_surface(input.mesh, cloud.frame), cloud, options, progress);
+  finish_surface(fitted, cloud, options, progress);
   outcome.mesh = stop_at(fitted, cloud, input.points, samples.noise.median, options, progress);
   tell_of(fitted.detail, outcome);
   RelaxationReport& relaxation = fitted.relaxation;

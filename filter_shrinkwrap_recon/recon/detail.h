@@ -15,7 +15,7 @@ bool may_keep_detail(const ReconstructionOptions& options);
 /// meshes, and keeps in `fitted` the one that is near most samples; brings `result.detail`, its
 /// `control_mesh` and the last row of `log`, which is the control mesh's, up to date. There is a
 /// surface already: that another cannot be made is no failure of the run. Pre: `fitted` was made
-/// from `initial`, by way of `result.control_mesh`; see may_keep_detail.
+/// from `initial`, by way of `result.control_mesh`, and is not finished; see may_keep_detail.
 void keep_detail(const SurfaceMesh& initial, const PointCloud& cloud,
                  const ReconstructionOptions& options, FittedSurface& fitted,
                  Reconstruction& result, StageLog& log, Progress& progress);

@@ -12,34 +12,43 @@
 #include "stop_at_surface/membrane_stretching.h"
 
 namespace shrinkwrap {
+namespace {
+
+constexpr double kFitting = 0.8;  // of the time of a surface that is finished too
+
+}  // namespace
 
 FittedSurface fit_surface(SurfaceMesh control, const PointCloud& cloud,
                           const ReconstructionOptions& options, Progress& progress) {
-  FittedSurface result;
   const bool is_last = options.stop_at_parametric_surface;
   progress.begin(Stage::parametric_surface);
-  if (is_last) progress.set_part(0.0, 0.8);
+  if (is_last) progress.set_part(0.0, kFitting);
   ParametricSurfaceOptions parametric = options.parametric_surface;
   if (is_last) parametric.fine_enough = 0.0;  // as fine as samples would make it
-  result.surface = make_parametric_surface(std::move(control), cloud, parametric, progress);
-  SurfaceMesh& mesh = result.surface.mesh;
-  if (is_last) {
-    progress.set_part(0.8, 0.85);
-    result.membranes =
-        find_surface_membranes(mesh, mark_membranes(mesh, cloud, parametric, progress), cloud,
-                               options.complete_matching, progress);
-    stretch_membranes(mesh, result.membranes, progress);
-  }
+  FittedSurface fitted;
+  fitted.surface = make_parametric_surface(std::move(control), cloud, parametric, progress);
+  if (!is_last) round_to_host(fitted.surface.mesh, cloud.frame, options.host_scalar);
+  return fitted;
+}
+
+void finish_surface(FittedSurface& fitted, const PointCloud& cloud,
+                    const ReconstructionOptions& options, Progress& progress) {
+  if (!options.stop_at_parametric_surface) return;
+  SurfaceMesh& mesh = fitted.surface.mesh;
+  progress.begin(Stage::parametric_surface);
+  progress.set_part(kFitting, 0.85);
+  fitted.membranes = find_surface_membranes(
+      mesh, mark_membranes(mesh, cloud, options.parametric_surface, progress), cloud,
+      options.complete_matching, progress);
+  stretch_membranes(mesh, fitted.membranes, progress);
   round_to_host(mesh, cloud.frame, options.host_scalar);
-  if (!is_last) return result;
   if (options.intersection_repair.enabled) {
     progress.set_part(0.85, 0.95);
-    result.relaxation = relax_self_intersections(mesh, cloud.frame, options.host_scalar,
+    fitted.relaxation = relax_self_intersections(mesh, cloud.frame, options.host_scalar,
                                                  options.relaxation, progress);
   }
   progress.set_part(0.95, 1.0);
-  measure_distances(result.surface, cloud, options.parametric_surface, progress);
-  return result;
+  measure_distances(fitted.surface, cloud, options.parametric_surface, progress);
 }
 
 namespace {

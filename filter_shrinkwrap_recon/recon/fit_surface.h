@@ -16,11 +16,15 @@ struct FittedSurface {
   SurfaceDetail detail;     ///< that `stop_at` kept, or measured
 };
 
-/// Makes the parametric surface, closed, and rounds it to `options.host_scalar`. Where the run
-/// stops at it, the membranes that are to stay are stretched and faces that meet others are
-/// smoothed apart, and both reports are of that.
+/// Makes the parametric surface, closed, and rounds it to `options.host_scalar`. One at which the
+/// run stops is yet to be finished, and is rounded then.
 FittedSurface fit_surface(SurfaceMesh control, const PointCloud& cloud,
                           const ReconstructionOptions& options, Progress& progress);
+
+/// Where the run stops at the surface: stretches the membranes that are to stay and smooths faces
+/// that meet others apart; both reports are of that. Otherwise does nothing.
+void finish_surface(FittedSurface& fitted, const PointCloud& cloud,
+                    const ReconstructionOptions& options, Progress& progress);
 
 /// Such a surface as a result, with its openings as the options said: face quality as in
 /// Reconstruction. Fills in `openings`, and counts anew which faces meet if some were dropped.

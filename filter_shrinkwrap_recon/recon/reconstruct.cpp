@@ -54,6 +54,7 @@ FittedSurface make_surface(PointCloud& cloud, const ReconstructionOptions& optio
   FittedSurface fitted = fit_surface(std::move(control.mesh), cloud, options, progress);
   if (is_needed) keep_detail(initial.mesh, cloud, options, fitted, result, log, progress);
   initial.mesh = SurfaceMesh();
+  finish_surface(fitted, cloud, options, progress);
   result.parametric_surface = fitted.surface.report;
   log.add(Stage::parametric_surface, fitted.surface.mesh.vertex_count(),
           [&] { return to_result(fitted.surface.mesh, cloud.frame, progress); });
