@@ -7,6 +7,7 @@
 #include "common/sort_unique.h"
 #include "complete_matching/close_openings.h"
 #include "complete_matching/draw_in.h"
+#include "complete_matching/settle_spanning_faces.h"
 #include "mesh/removed_vertices.h"
 
 namespace shrinkwrap {
@@ -147,6 +148,7 @@ FinishReport finish_matching(CompleteMatching& matching, const PointCloud& cloud
                              Progress& progress) {
   FinishReport report = Finish(matching, cloud.size(), options, progress).run();
   if (matching.spanning_faces.empty()) return report;
+  settle_spanning_faces(matching, report.repair.remaining_faces, {}, progress);
   draw_in_extra_vertices(matching, cloud.size(), cloud.frame, scalar, {}, progress);
   measure_openings(matching, cloud.spacing, openings);
   return report;
