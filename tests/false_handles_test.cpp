@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <vector>
 
 #include "expect_mesh.h"
 #include "initial_mesh/initial_mesh.h"
@@ -132,6 +134,42 @@ TEST(FalseHandles, AreNoNarrowHolesNorThinLimbs) {
     EXPECT_GE(found, 120) << "few are found: this test tests little";
     EXPECT_GE(left, is_limb ? 4 * found / 7 : 7 * found / 8) << "of " << found;
   }
+}
+
+// How many handles there are, and how many are left.
+struct Doubt {
+  Index found = 0, left = 0;
+};
+Doubt without_doubtful(const std::function<std::vector<Vec3>(unsigned seed)>& sample) {
+  Doubt doubt;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    const PointCloud cloud = oriented_cloud(sample(seed));
+    InitialMesh mesh = initial_mesh_of(cloud, false);
+    Progress silent;
+    const Index cut = cut_doubtful_handles(mesh.mesh, cloud, {}, silent);
+    EXPECT_TRUE(mesh.mesh.is_consistent());
+    expect_closed_manifold(mesh.mesh, mesh.report.components + mesh.report.cavities,
+                           mesh.report.genus - cut);
+    doubt.found += mesh.report.genus;
+    doubt.left += mesh.report.genus - cut;
+  }
+  return doubt;
+}
+
+TEST(FalseHandles, OfThoseInDoubtHolesStayThatSamplesShow) {
+  const Doubt holes =
+      without_doubtful([](unsigned seed) { return sample_bored_block(3000, 2.25, seed); });
+  EXPECT_GE(holes.found, 60);
+  EXPECT_GE(holes.left, 3 * holes.found / 4) << "of " << holes.found;
+  // Rungs may as well be bridges.
+  const Doubt limbs =
+      without_doubtful([](unsigned seed) { return sample_ladder(1500, 2.25, seed); });
+  EXPECT_GE(limbs.found, 40);
+  EXPECT_LE(limbs.left, limbs.found / 4) << "of " << limbs.found;
+  const Doubt bridges =
+      without_doubtful([](unsigned seed) { return sample_slotted_block(3000, 2.25, seed); });
+  EXPECT_GE(bridges.found, 20);
+  EXPECT_LE(bridges.left, bridges.found / 10) << "of " << bridges.found;
 }
 
 // Two balls so close that voxels join them: to cut there would part the surface.

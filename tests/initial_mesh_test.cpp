@@ -360,6 +360,32 @@ TEST(InitialMesh, LargerVoxelsRefuteHandlesOfSmaller) {
   EXPECT_GT(refuted, 0) << "this test tests nothing";
 }
 
+// A plate with nine holes, two and a quarter spacings wide and three deep: voxels of the usual size
+// fill some.
+TEST(InitialMesh, LargerVoxelsRefuteNoHolesThatAreClear) {
+  constexpr Index kSamples = 3000, kHoles = 9;
+  const double spacing = std::sqrt(2.0 * 1.8 * 1.8 / kSamples);
+  const auto plate = [&](const Vec3& p) {
+    double nearest = INFINITY;
+    for (const double x : {-0.55, 0.0, 0.55})
+      for (const double y : {-0.55, 0.0, 0.55})
+        nearest = std::min(nearest, std::hypot(p.x() - x, p.y() - y));
+    return std::max(box_distance(p, {0.9, 0.9, 1.5 * spacing}), 1.125 * spacing - nearest);
+  };
+  Index found = 0, of_large_voxels = 0;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    Random random(seed);
+    const PointCloud cloud =
+        oriented_cloud(sample_implicit_blue_noise(plate, {1.4, nullptr}, kSamples, random).points);
+    const InitialMesh mesh = initial_mesh_of(cloud);
+    expect_closed_manifold(mesh.mesh, 1, mesh.report.genus);
+    found += mesh.report.genus;
+    of_large_voxels += initial_mesh_of(cloud, without_detail()).report.genus;
+  }
+  EXPECT_LE(of_large_voxels, 4 * kHoles) << "little is refuted: this test tests little";
+  EXPECT_GE(found, 5 * kHoles) << "of " << 6 * kHoles;
+}
+
 // Two hollow balls, one in the other: large voxels join their walls all over, and where the walls
 // are joined there are pockets, more cavities than the two that smaller voxels show.
 TEST(InitialMesh, PocketsBetweenWallsAreNoReasonToKeepHandles) {

@@ -78,6 +78,17 @@ class FalseHandles {
     return report;
   }
 
+  Index cut_doubtful(Progress& progress) {
+    Index handles = 0;
+    for (int round = 0; round < kMostRounds; ++round) {
+      std::vector<Loop> loops = find_doubtful_loops(progress);
+      if (loops.empty()) break;
+      cut(loops, progress);
+      handles += static_cast<Index>(loops.size());
+    }
+    return handles;
+  }
+
  private:
   void cut(const std::vector<Loop>& loops, Progress& progress) {
     if (loops.empty()) return;
@@ -124,6 +135,30 @@ class FalseHandles {
     return std::move(disjoint.loops);
   }
 
+  // Of several around one handle the clear ones stand for it.
+  std::vector<Loop> find_doubtful_loops(Progress& progress) const {
+    PathTree tree(mesh_);
+    std::vector<char> is_clear_around(cosine_.size(), 0);
+    std::vector<Loop> clear, doubtful;
+    for (Index v = 0; v < mesh_.vertex_slots(); ++v) {
+      if (v % kUpdateInterval == 0) progress.update(1.0);
+      if (is_clear_around[v] || clear_around(v, tree, is_clear_around, progress)) continue;
+      Loop loop = loop_in_ball(mesh_, tree, v, options_.radius, progress);
+      if (!loop.empty()) (is_borne_out(loop) ? clear : doubtful).push_back(std::move(loop));
+    }
+    DisjointLoops disjoint(mesh_, std::numeric_limits<Index>::max());
+    for (std::vector<Loop>* loops : {&clear, &doubtful}) {
+      std::stable_sort(loops->begin(), loops->end(),
+                       [](const Loop& a, const Loop& b) { return a.size() < b.size(); });
+      for (const Loop& loop : *loops) disjoint.add(loop);
+    }
+    keep_inseparable(mesh_, disjoint.loops, progress);
+    std::vector<Loop> found;
+    for (Loop& loop : disjoint.loops)
+      if (!is_borne_out(loop)) found.push_back(std::move(loop));
+    return found;
+  }
+
   bool clear_around(Index centre, PathTree& tree, std::vector<char>& is_clear,
                     Progress& progress) const {
     if (!tree.grow(mesh_, {centre}, options_.radius + kClear, kMostOfBall, progress) ||
@@ -138,6 +173,11 @@ class FalseHandles {
 
   bool is_false(const Loop& loop) const {
     return mean_cosine(loop) < options_.least_cosine && widest_gap(loop) > options_.widest_gap;
+  }
+
+  bool is_borne_out(const Loop& loop) const {
+    return frame_of(mesh_, loop).is_around_hole && mean_cosine(loop) >= options_.clear_cosine &&
+           widest_gap(loop) <= options_.clear_gap;
   }
 
   // Around the middle of a loop, between samples that bear it out.
@@ -186,6 +226,13 @@ FalseHandleReport cut_false_handles(SurfaceMesh& mesh, const PointCloud& cloud,
   const FalseHandleReport report = FalseHandles(mesh, cloud, options, progress).cut_all(progress);
   if (report.handles + report.mouths > 0) mesh.compact(progress);
   return report;
+}
+
+Index cut_doubtful_handles(SurfaceMesh& mesh, const PointCloud& cloud,
+                           const FalseHandleOptions& options, Progress& progress) {
+  const Index handles = FalseHandles(mesh, cloud, options, progress).cut_doubtful(progress);
+  if (handles > 0) mesh.compact(progress);
+  return handles;
 }
 
 }  // namespace shrinkwrap

@@ -19,6 +19,10 @@ struct FalseHandleOptions {
   double widest_gap = kPi;
   /// Loops of at most twice as many edges and one are looked at.
   Index radius = 3;
+  /// Samples bear a handle clearly out if it is a hole with a loop around it of which the cosine is
+  /// at least this, and the widest gap at most that.
+  double clear_cosine = 0.8;
+  double clear_gap = 150.0 * kPi / 180.0;
   Index least_of_cavity = 100;  ///< samples nearest to its wall, for its false mouth to be closed
 };
 
@@ -36,5 +40,11 @@ struct FalseHandleReport {
 /// same, in canonical order. O(V + N).
 FalseHandleReport cut_false_handles(SurfaceMesh& mesh, const PointCloud& cloud,
                                     const FalseHandleOptions& options, Progress& progress);
+
+/// Cuts all handles along such loops but for those that samples bear clearly out, and returns how
+/// many: for a boundary that another one contradicts. Bridges between close sheets may look like
+/// limbs; of holes that are none, hardly any look like one. As cut_false_handles otherwise.
+Index cut_doubtful_handles(SurfaceMesh& mesh, const PointCloud& cloud,
+                           const FalseHandleOptions& options, Progress& progress);
 
 }  // namespace shrinkwrap
