@@ -88,6 +88,28 @@ TEST(SettleSpanningFaces, WhatIsFixedOrOpenStays) {
   EXPECT_EQ(settle(open), 0);
 }
 
+TEST(SettleSpanningFaces, TheOthersFlipWhereSomeAreFixed) {
+  CompleteMatching matching = fanned_drum();
+  const std::vector<Triangle> before = matching.mesh.triangles();
+  const std::vector<Index> fixed(matching.spanning_faces.begin(),
+                                 matching.spanning_faces.begin() + 2);
+  EXPECT_GT(settle(matching, fixed), 0);
+  for (const Index f : fixed) EXPECT_EQ(matching.mesh.triangle(f), before[f]);
+}
+
+// A kite of two spanning faces, whose other diagonal is Delaunay, and longer than its sides.
+TEST(SettleSpanningFaces, NoEdgeBecomesLongerThanTheLongest) {
+  const std::vector<Vec3> positions = {
+      {-1.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 0.5, 0.0}, {0.0, -1.9, 0.0}, {0.0, -0.5, -9.0}};
+  CompleteMatching matching;
+  matching.mesh = SurfaceMesh::from_triangles(
+      positions, {{0, 1, 2}, {1, 0, 3}, {2, 1, 4}, {0, 2, 4}, {3, 0, 4}, {1, 3, 4}});
+  matching.spanning_faces = {0, 1};
+  EXPECT_EQ(settle(matching), 0);
+  matching.spanning_faces = {0, 1, 5};
+  EXPECT_EQ(settle(matching), 1) << "there is a longer one";
+}
+
 TEST(SettleSpanningFaces, NothingFlipsBeyondTheTests) {
   CompleteMatching matching = fanned_drum();
   SettlingOptions options;
@@ -95,8 +117,8 @@ TEST(SettleSpanningFaces, NothingFlipsBeyondTheTests) {
   EXPECT_EQ(settle(matching, {}, options), 0);
 }
 
-// Beside the band there is a needle that sticks out of the drum between the fan and the round: it
-// is in the way of straight faces, unless it is to be dropped.
+// Between the flat fan and the round there is a small body: it is in the way of straight faces,
+// unless it is to be dropped.
 TEST(SettleSpanningFaces, NothingIsCut) {
   const CompleteMatching drum = fanned_drum();
   std::vector<Vec3> positions = drum.mesh.position;

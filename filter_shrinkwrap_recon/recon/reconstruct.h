@@ -99,7 +99,7 @@ struct SecondAttempt {
 /// Whether a surface showed what the samples do: see `ReconstructionOptions::most_samples_far`.
 struct DetailReport {
   double far_at_first = 0.0;  ///< part of the samples that are far from the first surface
-  double far = 0.0;           ///< the same of the surface that stays
+  double far = 0.0;           ///< the same of the surface that stays, before it is finished
   int surfaces = 0;           ///< that were made; 0: not looked at
 };
 

@@ -13,30 +13,32 @@ namespace {
 constexpr std::size_t kLooksPerEdge = 32;
 constexpr std::size_t kPollInterval = 1 << 8;
 
+// The edges between faces that may change: those that span, neither dropped nor fixed.
 class Settling {
  public:
-  Settling(CompleteMatching& matching, const std::vector<Index>& fixed_faces,
-           std::int64_t max_tests, Progress& progress)
+  Settling(CompleteMatching& matching, const std::vector<Index>& fixed_faces)
       : mesh_(matching.mesh),
         opening_faces_(matching.opening_faces),
-        boxes_(mesh_.position, mesh_.triangles(), progress),
-        pairs_(mesh_.position),
-        tests_left_(max_tests),
-        progress_(progress),
         may_change_(static_cast<std::size_t>(mesh_.face_slots()), 0) {
     for (const Index f : matching.spanning_faces) may_change_[f] = 1;
     for (const Index f : matching.opening_faces) may_change_[f] = 0;
     for (const Index f : fixed_faces) may_change_[f] = 0;
     for (const Index f : matching.spanning_faces)
-      for (Index h = 3 * f; h < 3 * f + 3; ++h)
+      for (Index h = 3 * f; h < 3 * f + 3; ++h) {
+        if (may_change_[f])
+          longest_ = std::max(longest_, squared_length(mesh_.origin(h), mesh_.target(h)));
         if (h < mesh_.twin(h) && may_change(h)) edges_.push_back(h);
+      }
   }
 
-  Index run() {
+  Index run(std::int64_t max_tests, Progress& progress) {
+    if (edges_.empty()) return 0;
+    boxes_ = BoxTree(mesh_.position, mesh_.triangles(), progress);
+    tests_left_ = max_tests;
     Index flips = 0;
     for (std::size_t looks = kLooksPerEdge * edges_.size();
          looks > 0 && !edges_.empty() && tests_left_ > 0; --looks) {
-      if (looks % kPollInterval == 0) progress_.update(0.0);
+      if (looks % kPollInterval == 0) progress.update(0.0);
       const Index h = edges_.back();
       edges_.pop_back();
       if (!try_flip(h)) continue;
@@ -54,8 +56,14 @@ class Settling {
     return may_change_[SurfaceMesh::face(h)] && may_change_[SurfaceMesh::face(mesh_.twin(h))];
   }
 
+  double squared_length(Index v, Index w) const {
+    return (mesh_.position[w] - mesh_.position[v]).squaredNorm();
+  }
+
   bool try_flip(Index h) {
-    if (!wants_delaunay_flip(mesh_, h) || !mesh_.is_flip_legal(h) || flip_cuts(h)) return false;
+    if (!wants_delaunay_flip(mesh_, h) || !mesh_.is_flip_legal(h)) return false;
+    if (squared_length(mesh_.opposite(h), mesh_.opposite(mesh_.twin(h))) > longest_) return false;
+    if (flip_cuts(h)) return false;
     mesh_.flip(h);
     for (const Index f : {SurfaceMesh::face(h), SurfaceMesh::face(mesh_.twin(h))})
       boxes_.set_box(f, boxes_.box_of(mesh_.position, mesh_.triangle(f)));
@@ -81,11 +89,11 @@ class Settling {
   SurfaceMesh& mesh_;
   const std::vector<Index>& opening_faces_;  // ascending
   BoxTree boxes_;
-  TrianglePairs pairs_;
-  std::int64_t tests_left_;
-  Progress& progress_;
+  TrianglePairs pairs_{mesh_.position};
+  std::int64_t tests_left_ = 0;
   std::vector<char> may_change_;  // per face
   std::vector<Index> edges_;      // still to be looked at
+  double longest_ = 0.0;          // of the edges of faces that may change, squared
   std::vector<Triangle> fresh_;   // faces that a flip would make
 };
 
@@ -97,7 +105,7 @@ Index settle_spanning_faces(CompleteMatching& matching, const std::vector<Index>
   const std::int64_t tests = options.max_tests > 0
                                  ? options.max_tests
                                  : 2000000 + 20 * std::int64_t{matching.mesh.face_count()};
-  return Settling(matching, fixed_faces, tests, progress).run();
+  return Settling(matching, fixed_faces).run(tests, progress);
 }
 
 }  // namespace shrinkwrap

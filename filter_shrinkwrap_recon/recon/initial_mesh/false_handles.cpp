@@ -78,9 +78,9 @@ class FalseHandles {
     return report;
   }
 
-  Index cut_doubtful(Progress& progress) {
+  Index cut_doubtful(Index most, Progress& progress) {
     Index handles = 0;
-    for (int round = 0; round < kMostRounds; ++round) {
+    for (int round = 0; round < kMostRounds && handles <= most; ++round) {
       std::vector<Loop> loops = find_doubtful_loops(progress);
       if (loops.empty()) break;
       cut(loops, progress);
@@ -128,8 +128,7 @@ class FalseHandles {
       Loop loop = loop_in_ball(mesh_, tree, v, options_.radius, progress);
       if (!loop.empty() && is_false(loop)) found.push_back(std::move(loop));
     }
-    std::stable_sort(found.begin(), found.end(),
-                     [](const Loop& a, const Loop& b) { return a.size() < b.size(); });
+    sort_by_length(found);
     DisjointLoops disjoint(mesh_, std::numeric_limits<Index>::max());
     for (const Loop& loop : found) disjoint.add(loop);
     return std::move(disjoint.loops);
@@ -148,8 +147,7 @@ class FalseHandles {
     }
     DisjointLoops disjoint(mesh_, std::numeric_limits<Index>::max());
     for (std::vector<Loop>* loops : {&clear, &doubtful}) {
-      std::stable_sort(loops->begin(), loops->end(),
-                       [](const Loop& a, const Loop& b) { return a.size() < b.size(); });
+      sort_by_length(*loops);
       for (const Loop& loop : *loops) disjoint.add(loop);
     }
     keep_inseparable(mesh_, disjoint.loops, progress);
@@ -229,8 +227,8 @@ FalseHandleReport cut_false_handles(SurfaceMesh& mesh, const PointCloud& cloud,
 }
 
 Index cut_doubtful_handles(SurfaceMesh& mesh, const PointCloud& cloud,
-                           const FalseHandleOptions& options, Progress& progress) {
-  const Index handles = FalseHandles(mesh, cloud, options, progress).cut_doubtful(progress);
+                           const FalseHandleOptions& options, Index most, Progress& progress) {
+  const Index handles = FalseHandles(mesh, cloud, options, progress).cut_doubtful(most, progress);
   if (handles > 0) mesh.compact(progress);
   return handles;
 }

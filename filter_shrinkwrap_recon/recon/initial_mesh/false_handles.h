@@ -22,7 +22,7 @@ struct FalseHandleOptions {
   /// Samples bear a handle clearly out if it is a hole with a loop around it of which the cosine is
   /// at least this, and the widest gap at most that.
   double clear_cosine = 0.8;
-  double clear_gap = 150.0 * kPi / 180.0;
+  double clear_gap = 120.0 * kPi / 180.0;
   Index least_of_cavity = 100;  ///< samples nearest to its wall, for its false mouth to be closed
 };
 
@@ -43,8 +43,9 @@ FalseHandleReport cut_false_handles(SurfaceMesh& mesh, const PointCloud& cloud,
 
 /// Cuts all handles along such loops but for those that samples bear clearly out, and returns how
 /// many: for a boundary that another one contradicts. Bridges between close sheets may look like
-/// limbs; of holes that are none, hardly any look like one. As cut_false_handles otherwise.
+/// limbs; of holes that are none, hardly any look like one. Handles without so short a loop stay.
+/// Ends early once more than `most` were cut. As cut_false_handles otherwise.
 Index cut_doubtful_handles(SurfaceMesh& mesh, const PointCloud& cloud,
-                           const FalseHandleOptions& options, Progress& progress);
+                           const FalseHandleOptions& options, Index most, Progress& progress);
 
 }  // namespace shrinkwrap

@@ -53,6 +53,7 @@ std::vector<Loop> loops_of_round(const SurfaceMesh& mesh, Index most, int& searc
     if (loop.size() <= longest) as_found.add(loop);
     if (most > 1) shorter.add(shortened_nearby(mesh, tree, loop, longest, progress));
   }
+  sort_by_length(shorter.loops);
   // Loops found nearby may separate the surface; those found from afar do not.
   keep_inseparable(mesh, shorter.loops, progress);
   std::vector<Loop>& chosen =

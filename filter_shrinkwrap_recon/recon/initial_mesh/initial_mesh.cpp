@@ -345,27 +345,21 @@ std::optional<InitialMesh> boundary_of_detail(const PointCloud& cloud, const Win
   std::optional<InitialMesh> mesh = try_boundary(cloud, winding, options, ratio, 0, progress);
   if (!mesh || mesh->report.voxels_are_larger) return std::nullopt;
   options.voxel_size *= ratio;
-  InitialMesh boundary =
-      boundary_with_fewer_handles(std::move(*mesh), cloud, winding, options, progress);
-  boundary.report.is_of_detail_size = true;
-  return boundary;
+  return boundary_with_fewer_handles(std::move(*mesh), cloud, winding, options, progress);
 }
 
-// Where voxels of the usual size show fewer handles than smaller ones: their boundary, unless more
-// holes are clear in the other, which then loses the handles that are not.
-InitialMesh boundary_borne_out(InitialMesh detailed, InitialMesh usual, const PointCloud& cloud,
-                               const InitialMeshOptions& options, Progress& progress) {
-  const Index handles = detailed.report.genus, refuted = detailed.report.handles_refuted;
-  if (options.false_handles.enabled) {
-    const Index cut = cut_doubtful_handles(detailed.mesh, cloud, options.false_handles, progress);
-    if (handles - cut > usual.report.genus) {
-      detailed.report.genus -= cut;
-      detailed.report.handles_refuted = refuted + cut;
-      return detailed;
-    }
-  }
-  usual.report.handles_refuted = refuted + handles - usual.report.genus;
-  return usual;
+// Where voxels of the usual size show fewer handles than smaller ones: cuts the handles of the
+// latter that are in doubt, and returns whether more are left even so. If not, the mesh is of no
+// use any more.
+bool are_more_left(InitialMesh& detailed, const InitialMeshReport& usual, const PointCloud& cloud,
+                   const InitialMeshOptions& options, Progress& progress) {
+  InitialMeshReport& report = detailed.report;
+  if (!options.false_handles.enabled || report.components < usual.components) return false;
+  const Index cut = cut_doubtful_handles(detailed.mesh, cloud, options.false_handles,
+                                         report.genus - usual.genus - 1, progress);
+  report.genus -= cut;
+  report.false_handles += cut;
+  return report.genus > usual.genus;
 }
 
 InitialMesh most_plausible_boundary(const PointCloud& cloud, InitialMeshOptions options,
@@ -387,8 +381,9 @@ InitialMesh most_plausible_boundary(const PointCloud& cloud, InitialMeshOptions 
   if (genus > 0) mesh = of_the_size_asked_for();
   if (!detailed) {
     mesh = boundary_with_more_bodies(of_the_size_asked_for(), cloud, winding, options, progress);
-  } else if (genus > mesh.report.genus && mesh.report.components >= detailed->report.components) {
-    mesh = boundary_borne_out(std::move(*detailed), std::move(mesh), cloud, options, progress);
+  } else if (genus > mesh.report.genus && mesh.report.components >= detailed->report.components &&
+             !are_more_left(*detailed, mesh.report, cloud, options, progress)) {
+    mesh.report.handles_refuted = genus + detailed->report.handles_refuted - mesh.report.genus;
   } else {
     mesh = boundary_with_more_bodies(std::move(*detailed), cloud, winding, smaller, progress);
     mesh.report.is_of_detail_size = true;

@@ -47,7 +47,8 @@ struct InitialMeshOptions {
   /// x voxel size, where samples are few for the shape: where more than `least_sharp` of them are
   /// sharp, as one of the six nearest faces another way by more than 45 degrees (an edge, a wall as
   /// thin as the samples are apart, a finger of a few samples around). The larger voxels are asked
-  /// too if there are handles, and taken if they show fewer of them and no fewer bodies. Not for
+  /// too if there are handles, and taken if they show fewer of them, also than are left once those
+  /// in doubt were cut (cut_doubtful_handles), and no fewer bodies. Not for
   /// sheets (PointCloud::closedness), whose gaps are to be bridged, nor for noise, which turns
   /// normals (`orient_and_smooth` sets this to 0). 0: never.
   double voxel_ratio_for_detail = 0.7;

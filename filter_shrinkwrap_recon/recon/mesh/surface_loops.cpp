@@ -35,11 +35,10 @@ std::vector<Index> closing_edges(const SurfaceMesh& mesh, const PathTree& tree, 
   return closing;
 }
 
-// Sets of faces that hang together but for the edges of loops, which are put in order, the shortest
-// first.
+// Sets of faces that hang together but for the edges of loops.
 class Pieces {
  public:
-  Pieces(const SurfaceMesh& mesh, std::vector<Loop>& loops, Progress& progress)
+  Pieces(const SurfaceMesh& mesh, const std::vector<Loop>& loops, Progress& progress)
       : mesh_(mesh), joined_(mesh.face_slots()) {
     std::vector<char> is_wall(3 * static_cast<std::size_t>(mesh.face_slots()), 0);
     for (const Loop& loop : loops)
@@ -47,8 +46,6 @@ class Pieces {
     for (Index h = 0; h < 3 * mesh.face_slots(); ++h)
       if (!is_wall[h]) join(h);
     progress.update(0.0);
-    std::stable_sort(loops.begin(), loops.end(),
-                     [](const Loop& a, const Loop& b) { return a.size() < b.size(); });
   }
 
   Index of(Index h) { return joined_.find(SurfaceMesh::face(h)); }
@@ -147,9 +144,13 @@ std::vector<Loop> loops_from(const SurfaceMesh& mesh, const std::vector<Index>& 
   for (const Index h : closing_edges(
            mesh, tree, mesh.face_slots(), [](Index f) { return f; }, progress))
     loops.push_back(tree.loop(mesh, h));
+  sort_by_length(loops);
+  return loops;
+}
+
+void sort_by_length(std::vector<Loop>& loops) {
   std::stable_sort(loops.begin(), loops.end(),
                    [](const Loop& a, const Loop& b) { return a.size() < b.size(); });
-  return loops;
 }
 
 Loop loop_in_ball(const SurfaceMesh& mesh, PathTree& tree, Index centre, Index radius,

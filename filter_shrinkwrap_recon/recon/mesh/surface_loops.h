@@ -70,11 +70,14 @@ class DisjointLoops {
   std::vector<char> is_taken_;  // per vertex
 };
 
-/// Leaves out loops, of those that separate the surface together the longest: along the others it
-/// can be cut and stays in one piece. Pre: they have no vertex in common. O(F).
+/// Puts the shortest first; those of one length stay in order.
+void sort_by_length(std::vector<Loop>& loops);
+
+/// Leaves out loops, of those that separate the surface together the last: along the others it can
+/// be cut and stays in one piece. Turns the order round. Pre: they have no vertex in common. O(F).
 void keep_inseparable(const SurfaceMesh& mesh, std::vector<Loop>& loops, Progress& progress);
 
-/// Leaves out loops, the longest first, but for the mouths of cavities: loops around a tunnel, not
+/// Leaves out loops, the last first, but for the mouths of cavities: loops around a tunnel, not
 /// a rod, where a cut parts the wall of a cavity (what encloses less than nothing) from what bounds
 /// a body, and each of the two holds at least `least` samples, as `samples_of` counts them at the
 /// vertices. Pre: they have no vertex in common, the mesh has no removed slots. O(V).
