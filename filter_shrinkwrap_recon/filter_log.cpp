@@ -215,10 +215,8 @@ void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings
                        "handles (CutFalseHandles).");
   if (report.handles_refuted > 0)
     warnings.push_back(count_of(report.handles_refuted, "handle") +
-                       " of the first solid left out: one of voxels of " +
-                       formatted("%.2f", report.voxel_size) +
-                       " spacings, which was taken in its place, does not have " +
-                       (report.handles_refuted == 1 ? "it." : "them."));
+                       " left out that voxels of another size do not show; those taken are of " +
+                       formatted("%.2f", report.voxel_size) + " spacings.");
   if (report.bodies_parted > 0)
     warnings.push_back(count_of(report.bodies_parted, "body", "bodies") +
                        " more told apart by voxels of " + formatted("%.2f", report.voxel_size) +

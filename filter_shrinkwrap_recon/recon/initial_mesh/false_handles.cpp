@@ -78,10 +78,16 @@ class FalseHandles {
     return report;
   }
 
-  Index cut_doubtful(Index most, Progress& progress) {
+  Index cut_doubtful(const SurfaceMesh& other, Index most, Progress& progress) {
+    const VoxelSearch vertices_of_other(other.position, progress);
+    PathTree tree_of_other(other);
+    const auto is_shown = [&](const Loop& loop) {
+      const Index nearest = vertices_of_other.nearest(frame_of(mesh_, loop).middle).index;
+      return !loop_in_ball(other, tree_of_other, nearest, options_.radius, progress).empty();
+    };
     Index handles = 0;
     for (int round = 0; round < kMostRounds && handles <= most; ++round) {
-      std::vector<Loop> loops = find_doubtful_loops(progress);
+      const std::vector<Loop> loops = find_doubtful_loops(is_shown, progress);
       if (loops.empty()) break;
       cut(loops, progress);
       handles += static_cast<Index>(loops.size());
@@ -134,26 +140,30 @@ class FalseHandles {
     return std::move(disjoint.loops);
   }
 
-  // Of several around one handle the clear ones stand for it.
-  std::vector<Loop> find_doubtful_loops(Progress& progress) const {
+  // Of several around one handle those that may stay stand for it.
+  template <class IsShown>
+  std::vector<Loop> find_doubtful_loops(const IsShown& is_shown, Progress& progress) const {
     PathTree tree(mesh_);
-    std::vector<char> is_clear_around(cosine_.size(), 0);
-    std::vector<Loop> clear, doubtful;
+    std::vector<char> is_clear(cosine_.size(), 0);
+    std::vector<Loop> may_stay, doubtful;
     for (Index v = 0; v < mesh_.vertex_slots(); ++v) {
       if (v % kUpdateInterval == 0) progress.update(1.0);
-      if (is_clear_around[v] || clear_around(v, tree, is_clear_around, progress)) continue;
+      if (is_clear[v] || clear_around(v, tree, is_clear, progress)) continue;
       Loop loop = loop_in_ball(mesh_, tree, v, options_.radius, progress);
-      if (!loop.empty()) (is_borne_out(loop) ? clear : doubtful).push_back(std::move(loop));
+      if (loop.empty()) continue;
+      const bool stays = is_borne_out(loop) || is_shown(loop);
+      (stays ? may_stay : doubtful).push_back(std::move(loop));
     }
     DisjointLoops disjoint(mesh_, std::numeric_limits<Index>::max());
-    for (std::vector<Loop>* loops : {&clear, &doubtful}) {
+    for (std::vector<Loop>* loops : {&may_stay, &doubtful}) {
       sort_by_length(*loops);
       for (const Loop& loop : *loops) disjoint.add(loop);
     }
     keep_inseparable(mesh_, disjoint.loops, progress);
     std::vector<Loop> found;
     for (Loop& loop : disjoint.loops)
-      if (!is_borne_out(loop)) found.push_back(std::move(loop));
+      if (std::find(may_stay.begin(), may_stay.end(), loop) == may_stay.end())
+        found.push_back(std::move(loop));
     return found;
   }
 
@@ -226,9 +236,10 @@ FalseHandleReport cut_false_handles(SurfaceMesh& mesh, const PointCloud& cloud,
   return report;
 }
 
-Index cut_doubtful_handles(SurfaceMesh& mesh, const PointCloud& cloud,
+Index cut_doubtful_handles(SurfaceMesh& mesh, const SurfaceMesh& other, const PointCloud& cloud,
                            const FalseHandleOptions& options, Index most, Progress& progress) {
-  const Index handles = FalseHandles(mesh, cloud, options, progress).cut_doubtful(most, progress);
+  const Index handles =
+      FalseHandles(mesh, cloud, options, progress).cut_doubtful(other, most, progress);
   if (handles > 0) mesh.compact(progress);
   return handles;
 }

@@ -41,11 +41,11 @@ struct FalseHandleReport {
 FalseHandleReport cut_false_handles(SurfaceMesh& mesh, const PointCloud& cloud,
                                     const FalseHandleOptions& options, Progress& progress);
 
-/// Cuts all handles along such loops but for those that samples bear clearly out, and returns how
-/// many: for a boundary that another one contradicts. Bridges between close sheets may look like
-/// limbs; of holes that are none, hardly any look like one. Handles without so short a loop stay.
-/// Ends early once more than `most` were cut. As cut_false_handles otherwise.
-Index cut_doubtful_handles(SurfaceMesh& mesh, const PointCloud& cloud,
+/// Of handles along such loops cuts those that `other`, another boundary for the same cloud, does
+/// not show, and that samples do not bear clearly out; returns how many. Bridges between close
+/// sheets may look like limbs; of holes that are none, hardly any look like one. Handles without so
+/// short a loop stay. Ends early once more than `most` were cut. As cut_false_handles otherwise.
+Index cut_doubtful_handles(SurfaceMesh& mesh, const SurfaceMesh& other, const PointCloud& cloud,
                            const FalseHandleOptions& options, Index most, Progress& progress);
 
 }  // namespace shrinkwrap

@@ -351,15 +351,17 @@ std::optional<InitialMesh> boundary_of_detail(const PointCloud& cloud, const Win
 // Where voxels of the usual size show fewer handles than smaller ones: cuts the handles of the
 // latter that are in doubt, and returns whether more are left even so. If not, the mesh is of no
 // use any more.
-bool are_more_left(InitialMesh& detailed, const InitialMeshReport& usual, const PointCloud& cloud,
+bool are_more_left(InitialMesh& detailed, const InitialMesh& usual, const PointCloud& cloud,
                    const InitialMeshOptions& options, Progress& progress) {
   InitialMeshReport& report = detailed.report;
-  if (!options.false_handles.enabled || report.components < usual.components) return false;
-  const Index cut = cut_doubtful_handles(detailed.mesh, cloud, options.false_handles,
-                                         report.genus - usual.genus - 1, progress);
+  if (report.components < usual.report.components) return false;
+  const Index more = report.genus - usual.report.genus;
+  const Index cut = cut_doubtful_handles(detailed.mesh, usual.mesh, cloud, options.false_handles,
+                                         more - 1, progress);
+  if (cut >= more) return false;
   report.genus -= cut;
-  report.false_handles += cut;
-  return report.genus > usual.genus;
+  report.handles_refuted += cut;
+  return true;
 }
 
 InitialMesh most_plausible_boundary(const PointCloud& cloud, InitialMeshOptions options,
@@ -382,7 +384,7 @@ InitialMesh most_plausible_boundary(const PointCloud& cloud, InitialMeshOptions 
   if (!detailed) {
     mesh = boundary_with_more_bodies(of_the_size_asked_for(), cloud, winding, options, progress);
   } else if (genus > mesh.report.genus && mesh.report.components >= detailed->report.components &&
-             !are_more_left(*detailed, mesh.report, cloud, options, progress)) {
+             !are_more_left(*detailed, mesh, cloud, options, progress)) {
     mesh.report.handles_refuted = genus + detailed->report.handles_refuted - mesh.report.genus;
   } else {
     mesh = boundary_with_more_bodies(std::move(*detailed), cloud, winding, smaller, progress);

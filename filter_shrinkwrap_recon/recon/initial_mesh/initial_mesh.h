@@ -48,9 +48,9 @@ struct InitialMeshOptions {
   /// sharp, as one of the six nearest faces another way by more than 45 degrees (an edge, a wall as
   /// thin as the samples are apart, a finger of a few samples around). The larger voxels are asked
   /// too if there are handles, and taken if they show fewer of them, also than are left once those
-  /// in doubt were cut (cut_doubtful_handles), and no fewer bodies. Not for
-  /// sheets (PointCloud::closedness), whose gaps are to be bridged, nor for noise, which turns
-  /// normals (`orient_and_smooth` sets this to 0). 0: never.
+  /// in doubt were cut (cut_doubtful_handles) unless they show more bodies, and no fewer bodies.
+  /// Not for sheets (PointCloud::closedness), whose gaps are to be bridged, nor for noise, which
+  /// turns normals (`orient_and_smooth` sets this to 0). 0: never.
   double voxel_ratio_for_detail = 0.7;
   double least_sharp = 0.01;  ///< part of the samples
   Index maximum_genus = -1;   ///< handles beyond are cut (genus_limit.h); -1: as many as there are
@@ -89,7 +89,7 @@ struct InitialMeshReport {
   Index false_handles = 0;         ///< cut, as no samples bear them out
   Index false_mouths = 0;          ///< closed: the same, of tunnels into cavities
   Index bodies_parted = 0;         ///< by smaller voxels, that had grown together
-  Index handles_refuted = 0;       ///< left of the first solid, and not of that taken
+  Index handles_refuted = 0;       ///< that one of two solids shows, and left out
   Index handles_cut = 0;           ///< to keep to `maximum_genus`
   int levels = 0;                  ///< bounding_box only
 };
