@@ -155,15 +155,18 @@ class FalseHandles {
       (stays ? may_stay : doubtful).push_back(std::move(loop));
     }
     DisjointLoops disjoint(mesh_, std::numeric_limits<Index>::max());
+    std::vector<char> is_doubtful(cosine_.size(), 0);  // by the first vertex of a loop
     for (std::vector<Loop>* loops : {&may_stay, &doubtful}) {
       sort_by_length(*loops);
+      const std::size_t before = disjoint.loops.size();
       for (const Loop& loop : *loops) disjoint.add(loop);
+      for (std::size_t k = before; k < disjoint.loops.size(); ++k)
+        is_doubtful[disjoint.loops[k].front()] = loops == &doubtful;
     }
     keep_inseparable(mesh_, disjoint.loops, progress);
     std::vector<Loop> found;
     for (Loop& loop : disjoint.loops)
-      if (std::find(may_stay.begin(), may_stay.end(), loop) == may_stay.end())
-        found.push_back(std::move(loop));
+      if (is_doubtful[loop.front()]) found.push_back(std::move(loop));
     return found;
   }
 
