@@ -200,11 +200,12 @@ void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings
                        " % of the samples have no solid behind them: walls may be thinner than the "
                        "cloud resolves.");
   if (report.voxels_are_larger)
-    warnings.push_back("Voxels of " + formatted("%.3g", report.voxel_size) +
-                       " median spacings were taken, larger than asked for: the samples are too "
-                       "unevenly spread for smaller ones, and the shape of the densest is lost. Of "
-                       "parts far from each other, select one and reconstruct it (Selected points "
-                       "only), and delete points that lie far away.");
+    warnings.push_back(
+        "Voxels of " + formatted("%.3g", report.voxel_size) +
+        " median spacings were taken, larger than asked for: the samples are too "
+        "unevenly spread for smaller ones, and close parts of the densest may be lost. Of "
+        "parts far from each other, select one and reconstruct it (Selected points "
+        "only), and delete points that lie far away.");
   if (report.false_handles > 0)
     warnings.push_back(count_of(report.false_handles, "handle") +
                        " cut that no samples bear out (bridges between close parts, or tunnels "
@@ -353,8 +354,8 @@ void tell_of(const OutlierReport& report, FilterOutcome& outcome) {
         "(ExcludeOutliers) off to keep them.");
   else if (report.suspected > 0)
     outcome.warnings.push_back(
-        count_of(report.suspected, "sample") +
-        " seem stray, which is too many: none is left out. Remove by hand what is no part of the "
+        "what seems stray is left in (" + count_of(report.suspected, "sample") +
+        "): it is too much, or the others lie in a plane. Remove by hand what is no part of the "
         "surface.");
   if (report.on_surface > 0)
     outcome.log.push_back(count_of(report.on_surface, "sample") +

@@ -19,6 +19,9 @@ constexpr Index kMembraneBricksPerSample = 2;
 // In reach of the samples; a surface evenly sampled has less than a fifth of one.
 constexpr std::size_t kMostBricksPerSample = 4;
 constexpr std::size_t kMostBricksOfFewSamples = 1 << 12;
+// Faces of voxels along the surface: x those of one whose samples are all at the median spacing.
+constexpr double kMostUneven = 1.5;
+constexpr double kMostFacesOfFewSamples = 1 << 18;
 // Coordinates of bricks fit their keys, with room for the bricks around.
 constexpr double kMostVoxelsPerAxis = 1 << 22;
 
@@ -57,7 +60,19 @@ class Classification {
   }
 
  private:
-  // Where most samples are so far apart, for the median spacing, that the voxels between them would
+  // Of the size asked for, or as large as it takes for the boundary not to be many times the
+  // samples: each of them stands for a square of its spacing.
+  double affordable_size(double asked_for) const {
+    double squares = 0.0;
+    for (const float spacing : cloud_.local_spacing)
+      squares += static_cast<double>(spacing) * spacing;
+    const double of_even =
+        cloud_.size() * cloud_.spacing * cloud_.spacing / (asked_for * asked_for);
+    const double most = std::max(kMostUneven * of_even, kMostFacesOfFewSamples);
+    return std::max(asked_for, std::sqrt(squares / most));
+  }
+
+  // Where many samples are so far apart, for the median spacing, that the voxels between them would
   // be many times the samples, voxels are larger; samples count as being as far apart as suits
   // these, for their planes to reach over two or three voxels.
   PlaneField add_bricks_in_reach(Progress& progress) {
@@ -65,7 +80,7 @@ class Classification {
         std::max(kMostBricksPerSample * cloud_.position.size(), kMostBricksOfFewSamples);
     const Box box = bounding_box(cloud_.position);
     const double asked_for = options_.voxel_size * cloud_.spacing;
-    for (double size = asked_for;; size = 2.0 * solid_.lattice.size) {
+    for (double size = affordable_size(asked_for);; size = 2.0 * solid_.lattice.size) {
       solid_.lattice = lattice_over(box, size);
       PlaneField planes = make_plane_field(solid_.lattice.size / asked_for, progress);
       const std::vector<BrickKey> keys = planes.keys_of_bricks_in_reach(progress);
