@@ -110,7 +110,8 @@ Parameter exclude_outliers() {
       boolean(kExcludeOutliers, "Exclude outliers", true,
               "Leave stray points out of the surface: points and small clumps of points (fewer "
               "than 30) that lie apart from the rest, far from it by the spacing there. The log "
-              "says how many, and they become a layer of their own, so that none is lost. "
+              "says how many; the whole method and Initial Mesh make a layer of them, so that none "
+              "is lost. "
               "Off: every point becomes a vertex, stray or not."));
 }
 

@@ -140,6 +140,7 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
   tell_of_sheet(result.orientation, request.options, outcome);
   double total = 0.0;
   for (const StageRecord& stage : result.stages) {
+    if (!stage.is_timed) continue;
     outcome.log.push_back(table_row(stage.name, stage.vertices, stage.seconds));
     std::string key = "seconds_" + stage.name;
     std::replace(key.begin(), key.end(), ' ', '_');
@@ -366,7 +367,7 @@ FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterIn
       check_promise(outcome.mesh, points_at(input.points, cloud.input_indices()),
                     is_counted ? repair.faces_after : kNone, promise_of(request.options), progress);
   for (const auto& [name, value] : figures_of(checked)) outcome.figures[name] = value;
-  outcome.log.push_back(kSucceeded + verdict_of(checked));
+  outcome.log.push_back(kSucceeded + verdict_of(checked) + but_outliers(outliers));
   return outcome;
 }
 
@@ -417,6 +418,7 @@ FilterOutcome run_distance(const FilterInput& input, Progress& progress) {
   std::vector<Vec3> points;
   std::copy_if(input.points.begin(), input.points.end(), std::back_inserter(points), is_finite);
   if (points.empty()) throw InvalidInput("there are no samples with finite coordinates");
+  const Index samples = static_cast<Index>(points.size());
   const Frame frame = unit_frame(points);
   for (Vec3& p : points) p = frame.to_unit(p);
   const VoxelSearch search(std::move(points));
@@ -440,14 +442,14 @@ FilterOutcome run_distance(const FilterInput& input, Progress& progress) {
   if (not_measured > 0)
     outcome.warnings.push_back(count_of(not_measured, "vertex", "vertices") +
                                " not finite, or too far away: their distance is set to 0.");
-  const double sum = std::accumulate(outcome.distance.begin(), outcome.distance.end(), 0.0);
+  const double mean = std::accumulate(outcome.distance.begin(), outcome.distance.end(), 0.0) /
+                      std::max(count - not_measured, Index{1});
   const double greatest = *std::max_element(outcome.distance.begin(), outcome.distance.end());
-  outcome.figures = {
-      {"vertices", count}, {"mean_distance", sum / count}, {"greatest_distance", greatest}};
-  outcome.log.push_back(
-      kSucceeded + std::string("distance of ") + count_of(count, "vertex", "vertices") + " from " +
-      count_of(static_cast<Index>(input.points.size()), "point") + ": mean " +
-      formatted("%.6g", sum / count) + ", greatest " + formatted("%.6g", greatest));
+  outcome.figures = {{"vertices", count}, {"mean_distance", mean}, {"greatest_distance", greatest}};
+  outcome.log.push_back(kSucceeded + std::string("distance of ") +
+                        count_of(count - not_measured, "vertex", "vertices") + " from " +
+                        count_of(samples, "point") + ": mean " + formatted("%.6g", mean) +
+                        ", greatest " + formatted("%.6g", greatest));
   return outcome;
 }
 
@@ -505,19 +507,20 @@ std::vector<Stage> stages_of(Filter filter, const FilterRequest& request) {
 
 FilterOutcome run_filter(Filter filter, const FilterRequest& request, const FilterInput& input,
                          Progress& progress) {
-  const char* const no_mesh =
-      "the layer chosen as Mesh has no faces: choose one that a reconstruction filter made";
   const bool needs_mesh = filter != Filter::reconstruct && filter != Filter::initial_mesh;
-  if (needs_mesh && input.mesh.position.empty()) throw InvalidInput(no_mesh);
   const bool needs_faces = needs_mesh && filter != Filter::distance_to_samples;
-  if (needs_faces && input.mesh.triangles.empty()) throw InvalidInput(no_mesh);
+  if (needs_faces && input.mesh.triangles.empty())
+    throw InvalidInput(
+        "the layer chosen as Mesh has no faces: choose one that a reconstruction filter made");
+  if (needs_mesh && input.mesh.position.empty())
+    throw InvalidInput("the layer chosen as Mesh has no vertices: choose another");
 
-  // A control mesh becomes up to 16 times as large, but no more than 3 times the samples; the box
+  // A control mesh becomes up to 64 times as large, but no more than 3 times the samples; the box
   // of the paper's start as large as it is asked to; other stages keep the size of theirs. The
   // whole method looks for itself.
   const std::uint64_t samples = input.points.size(), vertices = input.mesh.position.size();
   const std::uint64_t subdivided = filter == Filter::parametric_surface
-                                       ? std::min(16 * vertices, 3 * samples)
+                                       ? std::min(64 * vertices, 3 * samples)
                                    : filter == Filter::initial_mesh && !is_robust(request.options)
                                        ? vertices_after(request.options.initial_mesh.levels)
                                        : 0;

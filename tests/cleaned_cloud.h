@@ -13,10 +13,11 @@ struct Cleaned {
   OutlierReport report;
 };
 
-inline Cleaned cleaned(const std::vector<Vec3>& points, const OutlierOptions& options = {}) {
+inline Cleaned cleaned(const std::vector<Vec3>& points, const OutlierOptions& options = {},
+                       const SampleOptions& sample_options = {}) {
   Progress silent;
   Cleaned result;
-  result.cloud = prepare_samples(points, {}, silent);
+  result.cloud = prepare_samples(points, sample_options, silent);
   result.report = exclude_outliers(result.cloud, points, options, silent);
   return result;
 }

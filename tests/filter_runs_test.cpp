@@ -161,6 +161,22 @@ TEST(FilterRuns, ChainToTheSurfaceOfACleanCloudGivesTheBytesOfTheOneShot) {
   EXPECT_NE(smoothed.mesh.position, initial.mesh.position);
 }
 
+// A quarter of the cloud is noisy, most is not.
+TEST(FilterRuns, ChainToTheSurfaceOfAPartlyNoisyCloudGivesTheBytesOfTheOneShot) {
+  Random random(4);
+  FilterInput input;
+  input.points = sample_shape(ShapeKind::blob, 4000, 3);
+  for (Vec3& p : input.points)
+    if (p.x() > 0.4) p += 0.08 * random.in_cube();
+  input.points = in_single_precision(std::move(input.points));
+  const FilterOutcome one_shot = run(Filter::reconstruct, input, {{"StopAtParametricSurface", 1}});
+  const FilterOutcome initial = run(Filter::initial_mesh, input);
+  const FilterInput control =
+      through_layer(input.points, run(Filter::control_mesh, through_layer(input.points, initial)));
+  expect_same_bytes(one_shot.mesh,
+                    run(Filter::parametric_surface, control, {{"SmoothForNoise", 1}}).mesh);
+}
+
 TEST(FilterRuns, ChainThatFillsNotchesGivesTheBytesOfTheOneShot) {
   SampleDefects defects;
   defects.noise = 0.4;
@@ -206,6 +222,8 @@ TEST(FilterRuns, ChainThatKeepsOutliersGivesTheBytesOfTheOneShot) {
   const FilterOutcome chain = run_chain(input.points, {});
   expect_same_bytes(one_shot.mesh, chain.mesh);
   EXPECT_EQ(std::get<Index>(chain.figures.at("outliers")), 1);
+  for (const FilterOutcome& outcome : {one_shot, chain})
+    EXPECT_TRUE(is_in({outcome.log.back()}, "every sample but the 1 outlier left out"));
   const FilterOutcome report = run(Filter::matching_report, through_layer(input.points, one_shot));
   EXPECT_EQ(std::get<Index>(report.figures.at("samples_matched")), count);
   EXPECT_EQ(std::get<Index>(report.figures.at("extra_vertices")), 0);
@@ -279,6 +297,18 @@ TEST(FilterRuns, ASurfaceThatKeepsDetailIsTold) {
   const FilterOutcome alone = run(Filter::parametric_surface, input, {{"SmoothForNoise", 1}});
   EXPECT_TRUE(is_told(alone, told));
   EXPECT_TRUE(is_told(alone, "with the detail of its samples, 600 vertices, 1196 faces"));
+}
+
+// Where all its openings are left open nothing is spanned that detail could be lost with.
+TEST(FilterRuns, ASurfaceThatIsLeftOpenKeepsDetail) {
+  FilterInput input;
+  for (const Vec3& p : sample_shape_blue_noise(ShapeKind::box, 800, 1))
+    if (p.z() < 0.3) input.points.push_back(rounded_to_single(p));
+  const ParameterValues stop = {
+      {"StopAtParametricSurface", 1}, {"Openings", 2}, {"WidestOpening", 4}};
+  const FilterOutcome open = run(Filter::reconstruct, input, stop);
+  EXPECT_TRUE(is_told(open, "Openings: 1 left open"));
+  EXPECT_TRUE(is_told(open, "the vertices are the samples, moved onto it"));
 }
 
 TEST(FilterRuns, OpeningsOfASurfaceAreToldAndTheChainHasThem) {
@@ -384,6 +414,8 @@ TEST(FilterRuns, DistanceIsExactAndInTheUnitsOfTheLayer) {
   EXPECT_EQ(outcome.distance[2], 12.0);
   EXPECT_EQ(outcome.distance[3], 0.0);
   EXPECT_EQ(outcome.warnings.size(), 1u);
+  EXPECT_EQ(std::get<double>(outcome.figures.at("mean_distance")), 5.0);
+  EXPECT_TRUE(is_told(outcome, "distance of 3 vertices from 2 points"));
 }
 
 TEST(FilterRuns, RefusesWhatItCannotUse) {
@@ -492,6 +524,16 @@ TEST(FilterRuns, ThePaperClosesEveryOpeningAndSaysSo) {
   EXPECT_TRUE(warned(run(Filter::reconstruct, input, {{"Method", 1}, {"Openings", 1}})));
   EXPECT_FALSE(warned(run(Filter::reconstruct, input, {{"Method", 1}})));
   EXPECT_FALSE(warned(run(Filter::reconstruct, input, {{"Openings", 1}})));
+}
+
+// The box that the paper starts from is kept with the stages, and takes no time.
+TEST(FilterRuns, TheBoundingBoxIsNoStage) {
+  FilterInput input;
+  input.points = in_single_precision(sample_shape(ShapeKind::sphere, 800, 13));
+  const FilterOutcome outcome = run(Filter::reconstruct, input, {{"Method", 1}, {"KeepStages", 1}});
+  EXPECT_EQ(outcome.stages.front().name, "bounding box");
+  EXPECT_EQ(outcome.figures.count("seconds_bounding_box"), 0u);
+  EXPECT_EQ(outcome.figures.count("seconds_initial_mesh"), 1u);
 }
 
 TEST(FilterRuns, StagesRefuseWhatDoesNotFitOrIsNotFinite) {

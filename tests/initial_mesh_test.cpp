@@ -145,6 +145,49 @@ TEST(InitialMesh, LargerVoxelsAreSolidBehindDenseSamples) {
   EXPECT_GT(initial.report.samples_with_solid_behind, 0.999);
 }
 
+// Half of the samples are fourteen times as close as the others: voxels for these would be many
+// times the samples.
+TEST(InitialMesh, IsNotFarLargerThanTheCloud) {
+  constexpr Index kHalf = 20000;
+  Random random(8);
+  std::vector<Vec3> points;
+  for (Index i = 0; i < kHalf; ++i) {
+    points.push_back({random.uniform(), random.uniform(), 0.0});
+    points.push_back({random.uniform(0.4, 0.4714), random.uniform(0.4, 0.4714), 0.0});
+  }
+  for (Vec3& p : points) p.z() = 0.1 * std::sin(5.0 * p.x());
+  const InitialMesh initial = initial_mesh_of(oriented_cloud(points));
+  EXPECT_TRUE(initial.report.voxels_are_larger);
+  EXPECT_LT(initial.mesh.face_count(), 2000000);
+  EXPECT_GT(initial.report.samples_with_solid_behind, 0.999);
+}
+
+TEST(InitialMesh, WhereNothingIsInsideTheSolidIsWhatIsNearTheSamples) {
+  InitialMeshOptions options;
+  options.level = 2.0;
+  options.second_voxel_ratio = options.voxel_ratio_for_detail = 0.0;
+  Progress silent;
+  const InitialMesh initial =
+      make_initial_mesh(oriented_cloud(sample_shape(ShapeKind::sphere, 2000, 3)), options, silent);
+  EXPECT_GT(initial.mesh.face_count(), 0);
+  EXPECT_GT(initial.report.samples_with_solid_behind, 0.9);
+}
+
+TEST(InitialMesh, TheBoundingBoxStartTellsWhatGoesOn) {
+  std::string last;
+  Progress progress(
+      [&](double, const char* stage) {
+        last = stage;
+        return true;
+      },
+      {Stage::samples, Stage::initial_mesh});
+  progress.begin(Stage::samples);
+  InitialMeshOptions options;
+  options.start = InitialMeshOptions::Start::bounding_box;
+  make_initial_mesh(oriented_cloud(sample_shape(ShapeKind::sphere, 500, 3)), options, progress);
+  EXPECT_EQ(last, stage_name(Stage::initial_mesh));
+}
+
 TEST(InitialMesh, ClumpsOfStrayPointsAreNoBodies) {
   std::vector<Vec3> points = sample_shape(ShapeKind::sphere, 4000, 12);
   Random random(13);

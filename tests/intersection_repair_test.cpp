@@ -194,6 +194,21 @@ TEST(IntersectionRepair, FacesArePersistentThatWereAnnealedOrAreLeft) {
   EXPECT_EQ(report.persistent_faces(), 8);
 }
 
+TEST(IntersectionRepair, AFurtherRepairMayFindMoreThanTheFirst) {
+  RepairReport report, further;
+  further.before = 5;
+  further.faces_before = 8;
+  further.faces_after = 2;
+  further.folds.faces_before = 6;
+  further.folds.faces_after = 3;
+  report.add(further);
+  EXPECT_EQ(report.before, 5);
+  EXPECT_EQ(report.faces_before, 8);
+  EXPECT_EQ(report.faces_after, 2);
+  EXPECT_EQ(report.folds.faces_before, 6);
+  EXPECT_EQ(report.folds.faces_after, 3);
+}
+
 TEST(IntersectionRepair, CannotPartTwoSpheresButStops) {
   SurfaceMesh mesh = crossing_spheres(2);
   const SurfaceMesh before = mesh;

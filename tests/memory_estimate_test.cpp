@@ -55,6 +55,18 @@ TEST(MemoryEstimate, RefusalTellsBothFiguresAndARemedy) {
   }
 }
 
+TEST(MemoryEstimate, RefusalOfKeptStagesTellsThePointsThereAre) {
+  EXPECT_NO_THROW(require_memory_for(5'000'000, 6 * kGibibyte));
+  try {
+    require_memory_for(5'000'000, 6 * kGibibyte, 16, true);
+    FAIL() << "twice 5 million samples were accepted in 6 GiB";
+  } catch (const InvalidInput& refusal) {
+    const std::string text = refusal.what();
+    EXPECT_NE(text.find("5000000 points"), std::string::npos) << text;
+    EXPECT_NE(text.find("keep no stages"), std::string::npos) << text;
+  }
+}
+
 TEST(MemoryEstimate, TheBoundingBoxOfTheStartCounts) {
   const auto points = testing::sample_shape(testing::ShapeKind::sphere, 1000, 1);
   ReconstructionOptions options = as_in_the_paper();

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "cleaned_cloud.h"
 #include "reconstruct.h"
@@ -95,8 +97,14 @@ TEST(Outliers, ScanLinesAreNotStray) {
 // Elsewhere, or if they do not lie in a surface, they are stray.
 TEST(Outliers, TheLastScanLineAtAPoleIsNotStray) {
   constexpr double kDistance = 0.08, kTurn = 6.283185307179586;
-  for (const Index corners : {16, 20, 28}) {
-    SCOPED_TRACE(corners);
+  for (const auto& [corners, neighbours] :
+       {std::pair(16, 16), std::pair(20, 16), std::pair(28, 16), std::pair(28, 32)}) {
+    SCOPED_TRACE(std::to_string(corners) + " corners, " + std::to_string(neighbours));
+    SampleOptions options;
+    options.neighbours = neighbours;
+    const auto found_in = [&](const std::vector<Vec3>& points) {
+      return cleaned(points, {}, options).report.input_index.size();
+    };
     Random random(11);
     const auto sphere = [&] {
       std::vector<Vec3> points;

@@ -31,9 +31,12 @@ struct Normals {
 };
 
 template <class TrueNormal>
-Normals normals_of(const std::vector<Vec3>& points, const TrueNormal& true_normal) {
+Normals normals_of(const std::vector<Vec3>& points, const TrueNormal& true_normal,
+                   int neighbours = SampleOptions::kUsualNeighbours) {
   Progress silent;
-  const PointCloud cloud = prepare_samples(points, SampleOptions(), silent);
+  SampleOptions options;
+  options.neighbours = neighbours;
+  const PointCloud cloud = prepare_samples(points, options, silent);
   const auto part_askew = [&](const std::vector<Vec3f>& normals) {
     double count = 0.0;
     for (Index i = 0; i < cloud.size(); ++i) {
@@ -70,6 +73,12 @@ TEST(ParallelSheets, WallsAsThickAsNeighbourhoodsAreWide) {
     EXPECT_LT(normals.askew, most);
     EXPECT_GT(normals.replaced, 0.7);
   }
+}
+
+// Of more neighbours than are looked at, sheets are as far apart in spacings as of fewer.
+TEST(ParallelSheets, AmongManyNeighbours) {
+  const Normals normals = normals_of(two_sheets(1.2, 0.0, 1), up, 128);
+  EXPECT_GT(normals.replaced, 0.7);
 }
 
 TEST(ParallelSheets, WithSomeNoise) {

@@ -11,8 +11,8 @@
 namespace shrinkwrap {
 
 /// Reconstructs `cloud` into `mesh`, whose content is replaced on success and left alone otherwise.
-/// Needs no normals. Throws InvalidInput, Cancelled or ReconstructionFailed. Returns what is known
-/// of the run; its mesh was moved out.
+/// Needs no normals; the mesh needs the precision of the cloud. Throws InvalidInput, Cancelled or
+/// ReconstructionFailed. Returns what is known of the run; its mesh was moved out.
 ///
 ///     MyMesh cloud, mesh;
 ///     vcg::tri::io::Importer<MyMesh>::Open(cloud, "cloud.ply");
@@ -22,6 +22,8 @@ Reconstruction shrinkwrap_reconstruct(const CloudMesh& cloud, Mesh& mesh,
                                       ReconstructionOptions options = {},
                                       vcg::CallBackPos* callback = nullptr,
                                       bool selected_only = false) {
+  static_assert(sizeof(typename Mesh::ScalarType) >= sizeof(typename CloudMesh::ScalarType),
+                "samples would lose digits on their way into the mesh");
   options.host_scalar = std::is_same<typename Mesh::ScalarType, float>::value
                             ? HostScalar::single_precision
                             : HostScalar::double_precision;

@@ -106,12 +106,13 @@ bool match_on_surface(FittedSurface& fitted, PointCloud& cloud, const std::vecto
     CompleteMatching matching =
         match_samples(fitted.surface.mesh, cloud, options.complete_matching, progress);
     OptimisedMesh optimised = optimise_matching(matching, cloud, moved, options, progress);
-    RelaxationReport& relaxation = fitted.relaxation;
     RepairReport& repair = optimised.intersection_repair;
-    is_better = repair.faces_after <= relaxation.faces_after && optimised.extra_vertices == 0;
+    is_better =
+        repair.faces_after <= fitted.relaxation.faces_after && optimised.extra_vertices == 0;
     if (!is_better) return;
-    relaxation.faces_after = repair.faces_after;
-    relaxation.remaining_faces = std::move(repair.remaining_faces);
+    fitted.relaxation = RelaxationReport();  // of the surface
+    fitted.relaxation.faces_after = repair.faces_after;
+    fitted.relaxation.remaining_faces = std::move(repair.remaining_faces);
     fitted.openings = optimised.openings;
     mesh = std::move(optimised.mesh);
   });
@@ -128,12 +129,15 @@ ResultMesh stop_at(FittedSurface& fitted, PointCloud& cloud, const std::vector<V
                    double noise, const ReconstructionOptions& options, Progress& progress) {
   // Membranes that stay were stretched for what is here. Without repair nobody would know whether
   // faces of the matching meet.
-  const bool are_left_open =
-      options.complete_matching.openings == CompleteMatchingOptions::Openings::leave_open;
-  if (cloud.is_denoised() && options.intersection_repair.enabled &&
-      (fitted.membranes.empty() || are_left_open)) {
+  const bool are_left_open = std::all_of(fitted.membranes.begin(), fitted.membranes.end(),
+                                         [](const SurfaceMembrane& m) { return m.is_left_open; });
+  if (cloud.is_denoised() && options.intersection_repair.enabled && are_left_open) {
+    ReconstructionOptions as_decided = options;
+    if (!fitted.membranes.empty())
+      as_decided.complete_matching.openings = CompleteMatchingOptions::Openings::leave_open;
     ResultMesh matched;
-    if (match_on_surface(fitted, cloud, points, noise, options, matched, progress)) return matched;
+    if (match_on_surface(fitted, cloud, points, noise, as_decided, matched, progress))
+      return matched;
   }
   progress.begin(Stage::parametric_surface);
   progress.set_part(1.0, 1.0);
@@ -145,7 +149,8 @@ ResultMesh stop_at(FittedSurface& fitted, PointCloud& cloud, const std::vector<V
         "nothing but openings: no part of the surface has samples on its outer side. Close the "
         "openings in place of leaving them open.");
   if (!dropped.empty()) round_to_host(surface, cloud.frame, options.host_scalar);
-  turn_outward(surface, dropped, progress);
+  // What is to be matched has to face as it was fitted.
+  if (options.stop_at_parametric_surface) turn_outward(surface, dropped, progress);
   ResultMesh mesh = to_result(surface, cloud.frame, progress);
   drop_faces(mesh, dropped, progress);
   mesh.face_quality = spanning_lengths(mesh, indices_after_drop(openings.spanning_faces, dropped),

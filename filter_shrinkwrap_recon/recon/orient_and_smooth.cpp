@@ -14,11 +14,14 @@ DenoisingReport smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise,
                                  ReconstructionOptions& options, OrientationReport& orientation,
                                  Progress& progress) {
   constexpr double kWider = 1.0, kLargerVoxels = 0.35;
-  constexpr double kSharpenedFrom = 0.04;                 // noise that makes samples count as sharp
+  constexpr double kNoisyFrom = 0.04;  // below: what the upper fifth tells may be thin parts
   constexpr double kAttraction = 0.4, kRelaxation = 0.3;  // from one unit on
   const NoiseOptions& limits = options.noise;
-  const double units = std::clamp((noise.upper_fifth - limits.smooth_from) / limits.smooth_unit,
-                                  0.0, std::max(limits.most_units, 0.0));
+  const bool is_noisy = noise.median >= kNoisyFrom;
+  const double units =
+      is_noisy ? std::clamp((noise.upper_fifth - limits.smooth_from) / limits.smooth_unit, 0.0,
+                            std::max(limits.most_units, 0.0))
+               : 0.0;
   const int neighbours = options.samples.neighbours;
   if (units > 0.0) {
     const double widening = cloud.conditioning.on_lines ? 0.0 : kWider * units;
@@ -34,7 +37,7 @@ DenoisingReport smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise,
   const DenoisingReport report =
       denoise(cloud, noise.median, neighbours, options.denoising, progress);
   options.initial_mesh.voxel_size *= 1.0 + kLargerVoxels * units;
-  if (noise.median >= kSharpenedFrom) options.initial_mesh.voxel_ratio_for_detail = 0.0;
+  if (is_noisy) options.initial_mesh.voxel_ratio_for_detail = 0.0;
   const double part = std::min(units, 1.0);
   const auto towards = [&](double& value, double at_one) { value += part * (at_one - value); };
   towards(options.parametric_surface.attraction, kAttraction);

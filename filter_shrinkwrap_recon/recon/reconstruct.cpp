@@ -174,8 +174,7 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
 
   std::uint64_t size = points.size();
   if (!is_robust(options)) size = std::max(size, vertices_after(options.initial_mesh.levels));
-  require_memory_for((options.keep_stages ? 2 : 1) * size, options.memory_limit,
-                     options.samples.neighbours);
+  require_memory_for(size, options.memory_limit, options.samples.neighbours, options.keep_stages);
   options.host_scalar = host_scalar_for(points, options);
   // What is free now: by the time the samples are looked at, they take some of it.
   options.samples.memory_limit =

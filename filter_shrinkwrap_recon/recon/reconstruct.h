@@ -69,7 +69,8 @@ struct StageRecord {
   std::string name;
   Index vertices = 0;
   double seconds = 0.0;
-  ResultMesh mesh;  ///< only if keep_stages
+  ResultMesh mesh;       ///< only if keep_stages
+  bool is_timed = true;  ///< false: a mesh that is given along, and no stage
 };
 
 /// What nobody wants in a mesh through the samples, and what tells of a wrong surface.

@@ -68,6 +68,7 @@ class StageLog {
     if (!keep_meshes_) return;
     rows_.emplace_back();
     rows_.back().name = name;
+    rows_.back().is_timed = false;
     keep(make_mesh);
     rows_.back().vertices = static_cast<Index>(rows_.back().mesh.position.size());
   }

@@ -25,7 +25,8 @@ constexpr int kNoLimit = std::numeric_limits<int>::max();
 
 FreedMemoryIsKept::FreedMemoryIsKept(std::size_t samples) : active_(samples >= kLeastSamples) {
   if (!active_) return;
-  mallopt(M_MMAP_THRESHOLD, kNoLimit);
+  // Older versions take no more than their own largest.
+  if (mallopt(M_MMAP_THRESHOLD, kNoLimit) == 0) mallopt(M_MMAP_THRESHOLD, kGlibcLargestThreshold);
   mallopt(M_TRIM_THRESHOLD, kNoLimit);
 }
 

@@ -16,9 +16,10 @@ constexpr std::uint64_t kBytesPerNeighbour = 5;
 constexpr int kFewNeighbours = 16;
 constexpr std::uint64_t kBaseBytes = std::uint64_t{32} << 20;
 
+// To a tenth, with a point whatever the locale of the host is.
 std::string in_gibibytes(std::uint64_t bytes) {
-  const std::string text = std::to_string(static_cast<double>(bytes) / (1 << 30));
-  return text.substr(0, text.find('.') + 2) + " GiB";
+  const std::uint64_t tenths = (bytes >> 20) * 10 / 1024;
+  return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " GiB";
 }
 
 }  // namespace
@@ -39,15 +40,17 @@ std::uint64_t available_bytes() {
   return 0;
 }
 
-void require_memory_for(std::uint64_t samples, std::uint64_t limit, int neighbours) {
+void require_memory_for(std::uint64_t samples, std::uint64_t limit, int neighbours,
+                        bool keep_stages) {
   const std::uint64_t available = limit > 0 ? limit : available_bytes();
-  const std::uint64_t needed = estimated_peak_bytes(samples, neighbours);
+  const std::uint64_t needed = estimated_peak_bytes((keep_stages ? 2 : 1) * samples, neighbours);
   if (available == 0 || needed <= available) return;
-  throw InvalidInput(
-      "reconstructing " + std::to_string(samples) + " points needs about " + in_gibibytes(needed) +
-      " of memory, and " + in_gibibytes(available) +
-      " are available: close other programs, or thin the cloud out (for example with a point cloud "
-      "simplification filter) and try again");
+  throw InvalidInput("reconstructing " + std::to_string(samples) + " points" +
+                     (keep_stages ? " and keeping the mesh of every stage" : "") + " needs about " +
+                     in_gibibytes(needed) + " of memory, and " + in_gibibytes(available) +
+                     " are available: " + (keep_stages ? "keep no stages, " : "") +
+                     "close other programs, or thin the cloud out (for example with a point cloud "
+                     "simplification filter) and try again");
 }
 
 }  // namespace shrinkwrap

@@ -18,7 +18,8 @@ std::uint64_t available_bytes();
 
 /// Throws InvalidInput, with both figures, if that many samples cannot fit.
 /// `limit`: bytes that may be used; 0 means what the machine has available (and no check where that
-/// is unknown).
-void require_memory_for(std::uint64_t samples, std::uint64_t limit = 0, int neighbours = 16);
+/// is unknown). `keep_stages`: the meshes of the stages take as much again.
+void require_memory_for(std::uint64_t samples, std::uint64_t limit = 0, int neighbours = 16,
+                        bool keep_stages = false);
 
 }  // namespace shrinkwrap

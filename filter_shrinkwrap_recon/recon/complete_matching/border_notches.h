@@ -18,7 +18,7 @@ namespace shrinkwrap {
 /// made.
 /// Pre: closed mesh, vertex i below `cloud.size()` is sample i, at its position.
 /// Post: closed 2-manifold of the same topology and vertices; only dropped faces have changed, and
-/// a notch that cannot be filled has changed none. O(border).
+/// a notch that cannot be filled has changed none. O(F + N).
 Index fill_border_notches(SurfaceMesh& mesh, const PointCloud& cloud, std::vector<char>& is_dropped,
                           Progress& progress);
 

@@ -369,9 +369,10 @@ class OpeningCloser {
   // that they form none, or with any that stays but those that they replace. True also if the tests
   // do not suffice to find out.
   bool fresh_cuts(bool are_apart, Index most) {
+    std::sort(replaced_.begin(), replaced_.end());
     const auto is_gone = [&](Index f) {
       return mesh_.is_removed_face(f) || is_open_[f] ||
-             std::find(replaced_.begin(), replaced_.end(), f) != replaced_.end();
+             std::binary_search(replaced_.begin(), replaced_.end(), f);
     };
     const auto spend = [&](std::int64_t tests) {
       count_tests(tests);
@@ -513,7 +514,7 @@ std::vector<Index> close_openings(CompleteMatching& matching, Index samples, Pro
   mesh.renumber(new_index, progress);
   matching.spanning_faces = spanning.faces();
   matching.opening_faces = open.faces();
-  matching.sample_of_vertex.resize(mesh.position.size());
+  matching.sample_of_vertex.resize(mesh.position.size(), SampleId::none);
   return removed;
 }
 

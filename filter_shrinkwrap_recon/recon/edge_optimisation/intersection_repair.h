@@ -71,6 +71,8 @@ struct RepairReport {
   /// Of a further repair of the same mesh: what it left, and the work of both. Of a heap, `after`
   /// then counts other pairs than `before`.
   void add(RepairReport further) {
+    before = std::max(before, further.before);
+    faces_before = std::max(faces_before, further.faces_before);
     after = further.after;
     faces_after = further.faces_after;
     faces_before_annealing = std::max(faces_before_annealing, further.faces_before_annealing);
@@ -81,6 +83,7 @@ struct RepairReport {
     rounds += further.rounds;
     ran_short = further.ran_short;
     tests += further.tests;
+    folds.faces_before = std::max(folds.faces_before, further.folds.faces_before);
     folds.faces_after = further.folds.faces_after;
     folds.flips += further.folds.flips;
     folds.annealed += further.folds.annealed;

@@ -204,8 +204,6 @@ class SolidBoundary {
 
   InitialMesh finish(Progress& progress) && {
     cut_what_is_false(progress);
-    result_.report.samples_with_solid_behind = fraction_with_solid_behind(cloud_, solid_, progress);
-    result_.report.grown_together = fraction_grown_together(cloud_, solid_, progress);
     if (result_.mesh.face_count() == 0) {
       solid_.image.mask = solid_.near_samples;
       solid_.image.mask.resize(static_cast<std::size_t>(solid_.image.bricks.size()), 0);
@@ -213,6 +211,8 @@ class SolidBoundary {
       extract(progress);
       cut_what_is_false(progress);
     }
+    result_.report.samples_with_solid_behind = fraction_with_solid_behind(cloud_, solid_, progress);
+    result_.report.grown_together = fraction_grown_together(cloud_, solid_, progress);
     return std::move(result_);
   }
 
@@ -398,9 +398,9 @@ InitialMesh most_plausible_boundary(const PointCloud& cloud, InitialMeshOptions 
 
 InitialMesh make_initial_mesh(const PointCloud& cloud, const InitialMeshOptions& options,
                               Progress& progress) {
+  progress.begin(Stage::initial_mesh);
   if (options.start == InitialMeshOptions::Start::bounding_box)
     return shrink_bounding_box(cloud, options, progress);
-  progress.begin(Stage::initial_mesh);
   InitialMesh result = most_plausible_boundary(cloud, options, progress);
   if (result.mesh.face_count() == 0)
     throw ReconstructionFailed(

@@ -101,7 +101,8 @@ struct InitialMesh {
 
 /// Makes the initial mesh. Pre: `orient_normals` was called on the cloud (winding_number only).
 /// Post: closed, 2-manifold, consistently oriented outwards; for bounding_box genus 0.
-/// Throws ReconstructionFailed if no solid holds enough samples. O(N) expected.
+/// Throws ReconstructionFailed if the surface over the openings of the cloud would be far larger
+/// than what the samples show. O(N) expected.
 InitialMesh make_initial_mesh(const PointCloud& cloud, const InitialMeshOptions& options,
                               Progress& progress);
 

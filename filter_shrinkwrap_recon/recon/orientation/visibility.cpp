@@ -10,8 +10,9 @@
 namespace shrinkwrap {
 namespace {
 
-constexpr int kDirectionsAtOnce = 8;       // depth buffers and votes that are held at a time
-constexpr double kPixelsPerSample = 16.0;  // at most
+constexpr int kDirectionsAtOnce = 8;       // depth buffers and votes that are held at a time ...
+constexpr double kPixelsHeld = 32.0;       // ... of no more pixels than that per sample, if need be
+constexpr double kPixelsPerSample = 16.0;  // of one, at most
 constexpr double kSeenOpenly = 0.25;       // part of the views on one side
 // Mean closedness up to which samples are of an open sheet, and from which on they are of a body.
 constexpr double kSheet = 0.3, kBody = 0.6;
@@ -92,16 +93,26 @@ class DepthBuffer {
   std::vector<Index> foremost_;
 };
 
-// The smallest pixel for which no buffer has more than a fixed number of pixels per sample.
-double affordable_pixel(const std::vector<Vec3f>& points, double pixel) {
+double diagonal_of(const std::vector<Vec3f>& points) {
   Vec3f low = points[0], high = points[0];
   for (const Vec3f& p : points) {
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
-  const double diagonal = (high - low).norm();
-  const double pixels = 1e4 + kPixelsPerSample * static_cast<double>(points.size());
+  return (high - low).norm();
+}
+
+// The smallest pixel for which no buffer has more than a fixed number of pixels per sample.
+double affordable_pixel(double diagonal, std::size_t samples, double pixel) {
+  const double pixels = 1e4 + kPixelsPerSample * static_cast<double>(samples);
   return std::max({pixel, diagonal / std::sqrt(pixels), 1e-6});
+}
+
+// How many of its buffers to hold at a time.
+int directions_at_once(double diagonal, std::size_t samples, double pixel) {
+  const double pixels = (diagonal / pixel) * (diagonal / pixel);
+  const double most = kPixelsHeld * static_cast<double>(samples) / pixels;
+  return static_cast<int>(std::clamp<double>(most, 1.0, kDirectionsAtOnce));
 }
 
 // The views in front of a sample and behind it: half of those possible each, from all around.
@@ -141,7 +152,9 @@ std::vector<VisibilityVote> visibility_votes(const PointCloud& cloud,
     points.push_back(cloud.position[sample].cast<float>());
     if (component_of_sample) component.push_back((*component_of_sample)[sample]);
   }
-  const float pixel = static_cast<float>(affordable_pixel(points, options.pixel));
+  const double diagonal = diagonal_of(points);
+  const float pixel = static_cast<float>(affordable_pixel(diagonal, points.size(), options.pixel));
+  const int at_once = directions_at_once(diagonal, points.size(), pixel);
   const float tolerance = static_cast<float>(options.depth_tolerance);
   const float min_cosine = static_cast<float>(options.min_cosine);
 
@@ -152,7 +165,7 @@ std::vector<VisibilityVote> visibility_votes(const PointCloud& cloud,
     std::vector<float> cosine;  // of each sample drawn: 0 no vote
     std::vector<char> seen, foremost;
   };
-  std::vector<View> views(kDirectionsAtOnce);
+  std::vector<View> views(static_cast<std::size_t>(at_once));
   const std::vector<Vec3f> directions = view_directions(options);
   const int direction_count = static_cast<int>(directions.size());
   struct Sums {
@@ -160,8 +173,8 @@ std::vector<VisibilityVote> visibility_votes(const PointCloud& cloud,
   };
   std::vector<Sums> sums(drawn.size());
   Progress silent;
-  for (int first = 0; first < direction_count; first += kDirectionsAtOnce) {
-    const int count = std::min(kDirectionsAtOnce, direction_count - first);
+  for (int first = 0; first < direction_count; first += at_once) {
+    const int count = std::min(at_once, direction_count - first);
     parallel_for_each(count, 1, silent, [&](Index v) {
       View& view = views[v];
       const Vec3f& direction = directions[first + v];

@@ -300,8 +300,7 @@ ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud&
       distances = fitting.iterate(mesh, hint, progress);
     }
   }
-  if (result.report.subdivisions > 0 && options.move_to_limit)
-    fitting.move_to_limit(mesh, progress);
+  if (result.report.subdivisions > 0) fitting.move_to_limit(mesh, progress);
   if (result.report.subdivisions == 0 || options.iterations == 0)
     distances = fitting.measure(mesh, progress);
   result.report.vertices = mesh.vertex_count();

@@ -24,9 +24,8 @@ struct ParametricSurfaceOptions {
   /// Fitting iterations after each subdivision; half as many, rounded up, after the last, which
   /// starts from a surface that fits already.
   int iterations = 5;
-  double attraction = 0.7;    ///< lambda of eq. 14, in [0, 1]
-  double relaxation = 0.2;    ///< tangential, per iteration
-  bool move_to_limit = true;  ///< return limit positions (eq. 13) in place of control positions
+  double attraction = 0.7;  ///< lambda of eq. 14, in [0, 1]
+  double relaxation = 0.2;  ///< tangential, per iteration
 };
 
 struct ParametricSurfaceReport {

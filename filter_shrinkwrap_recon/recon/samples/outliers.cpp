@@ -138,7 +138,7 @@ class OutlierSearch {
     std::vector<Index> sample;
     std::vector<Set> sets;
     for (Index i = 0; i < cloud_.size(); ++i) {
-      if (kept_[i] || !core_[i] || size_[sets_.find(i)] < cloud_.neighbour_count) continue;
+      if (kept_[i] || !core_[i] || size_[sets_.find(i)] < least_) continue;
       Index& of_root = place[sets_.find(i)];
       if (of_root == kNone) {
         of_root = static_cast<Index>(sets.size());
@@ -303,6 +303,8 @@ class OutlierSearch {
   const double widening_ =
       cloud_.conditioning.on_lines ? std::max(1.0, spacings_per_radius_ / kUsualRadius) : 1.0;
   const Index smallest_ = std::min(options_.smallest_set, std::max<Index>(cloud_.size() / 100, 4));
+  // Of a set that is more than the neighbourhood of a sample.
+  const Index least_ = std::min(cloud_.neighbour_count, SampleOptions::kUsualNeighbours);
   std::vector<char> core_, kept_;
   SharedSets sets_{cloud_.size(), progress_};
   std::vector<Index> size_;  // of the set, at its root

@@ -16,8 +16,9 @@ struct OutlierOptions {
   double reach_of_others = 3.0;  ///< from a core sample to one that is none
   double reach_beyond = 1.5;     ///< from there to one further
   Index smallest_set = 30;       ///< samples; a hundredth of all where that is less, at least 4
-  // A smaller set, as the last lines of a scan are, stays if it makes up the neighbourhoods of its
-  // samples, is as flat as a surface (`roughness`), as dense as the rest, and near for its width.
+  // A smaller set, as the last lines of a scan are, stays if it has the samples of a neighbourhood
+  // (SampleOptions::kUsualNeighbours, or as many as there are), is as flat as a surface
+  // (`roughness`), as dense as the rest, and near for its width.
   double spacing_of_flat_sets = 3.0;  ///< x median spacing, on average at most
   double reach_of_flat_sets = 1.5;    ///< x width of the set: from samples that stay
   /// No core sample has a spacing of more than this many times that of most of its neighbours ...
@@ -60,7 +61,8 @@ struct OutlierOptions {
 
 struct OutlierReport {
   std::vector<Index> input_index;  ///< of the samples left out, ascending
-  Index suspected = 0;   ///< more than that if so many seemed stray that none was left out
+  Index suspected = 0;   ///< more than that if none was left out: so many seemed stray, or the
+                         ///< others would lie in a plane
   int rounds = 0;        ///< of the search
   Index on_surface = 0;  ///< that were left out, and are samples again: not among `input_index`
 };

@@ -62,7 +62,7 @@ class Neighbourhood {
   Neighbourhood(const std::vector<Vec3>& points, const Neighbourhoods& all, std::size_t point,
                 const ParallelSheetsOptions& options)
       : options_(options),
-        spacing_(spacing_of(std::min(all.k, PlaneSupport::kMostNeighbours))),
+        spacing_(spacing_of(all.k)),
         planes_(offsets_from(points, all, point), options.thickness * spacing_) {}
 
   // The normal of the sheet that the point is of if there are others, else zero. `deviation` is
