@@ -224,13 +224,15 @@ Parameter count_intersections() {
 std::vector<Parameter> solid_parameters() {
   return {
       neighbours(),
-      advanced(number(Kind::real, kVoxelSize, "Voxel size (spacings)", 1.75, 0.75, 4.0,
-                      "Robust method: edge of the voxels of the first solid; of all of them 0.7 "
-                      "times as much if samples are few for the shape, and less where bodies come "
-                      "close to each other, as the log says then. Lowered (1.0): parts that come "
-                      "close to each other are kept apart, at the price of false holes in sparse "
-                      "places. Raised (2 to 3): closes gaps of uneven clouds, may glue close parts "
-                      "together. Unit: median sample spacing; range 0.75 to 4.")),
+      advanced(
+          number(Kind::real, kVoxelSize, "Voxel size (spacings)", 1.75, 0.75, 4.0,
+                 "Robust method: edge of the voxels of the first solid; of all of them 0.7 "
+                 "times as much if samples are few for the shape, and less where bodies come "
+                 "close to each other, more in large clouds of very uneven density, as the log "
+                 "says then. Lowered (1.0): parts that come "
+                 "close to each other are kept apart, at the price of false holes in sparse "
+                 "places. Raised (2 to 3): closes gaps of uneven clouds, may glue close parts "
+                 "together. Unit: median sample spacing; range 0.75 to 4.")),
       advanced(number(Kind::real, kLevel, "Inside level (0 to 1)", 0.4, 0.05, 0.95,
                       "Robust method: what counts as inside, 0 far outside to 1 deep inside. "
                       "Lowered (0.3): openings are "

@@ -145,21 +145,32 @@ TEST(InitialMesh, LargerVoxelsAreSolidBehindDenseSamples) {
   EXPECT_GT(initial.report.samples_with_solid_behind, 0.999);
 }
 
-// Half of the samples are fourteen times as close as the others: voxels for these would be many
-// times the samples.
-TEST(InitialMesh, IsNotFarLargerThanTheCloud) {
-  constexpr Index kHalf = 20000;
+double voxels_of(const std::vector<Vec3>& points) {
+  const PointCloud cloud = oriented_cloud(points);
+  Progress silent;
+  return make_voxel_solid(cloud, WindingNumber(cloud), {}, silent).lattice.size / cloud.spacing;
+}
+
+// Half of the samples are eight times as close as the others: the boundary would have many times as
+// many vertices as there are samples.
+TEST(VoxelSolid, VoxelsOfUnevenCloudsAreLarger) {
   Random random(8);
   std::vector<Vec3> points;
-  for (Index i = 0; i < kHalf; ++i) {
+  for (Index i = 0; i < 40000; ++i) {
     points.push_back({random.uniform(), random.uniform(), 0.0});
-    points.push_back({random.uniform(0.4, 0.4714), random.uniform(0.4, 0.4714), 0.0});
+    points.push_back({random.uniform(0.4, 0.52), random.uniform(0.4, 0.52), 0.0});
   }
   for (Vec3& p : points) p.z() = 0.1 * std::sin(5.0 * p.x());
-  const InitialMesh initial = initial_mesh_of(oriented_cloud(points));
-  EXPECT_TRUE(initial.report.voxels_are_larger);
-  EXPECT_LT(initial.mesh.face_count(), 2000000);
-  EXPECT_GT(initial.report.samples_with_solid_behind, 0.999);
+  const double size = voxels_of(points);
+  EXPECT_GT(size, 1.2 * InitialMeshOptions().voxel_size);
+  EXPECT_LT(size, 1.6 * InitialMeshOptions().voxel_size);
+}
+
+TEST(VoxelSolid, VoxelsAreNoLargerForSomeStrays) {
+  Random random(9);
+  std::vector<Vec3> points = sample_shape(ShapeKind::sphere, 20000, 3);
+  for (int i = 0; i < 20; ++i) points.push_back(50.0 * random.in_cube());
+  EXPECT_NEAR(voxels_of(points), InitialMeshOptions().voxel_size, 1e-9);
 }
 
 TEST(InitialMesh, WhereNothingIsInsideTheSolidIsWhatIsNearTheSamples) {

@@ -77,7 +77,7 @@ TEST(ParallelSheets, WallsAsThickAsNeighbourhoodsAreWide) {
 
 // Of more neighbours than are looked at, sheets are as far apart in spacings as of fewer.
 TEST(ParallelSheets, AmongManyNeighbours) {
-  const Normals normals = normals_of(two_sheets(1.2, 0.0, 1), up, 128);
+  const Normals normals = normals_of(two_sheets(0.9, 0.0, 1), up, 128);
   EXPECT_GT(normals.replaced, 0.7);
 }
 

@@ -132,12 +132,8 @@ ResultMesh stop_at(FittedSurface& fitted, PointCloud& cloud, const std::vector<V
   const bool are_left_open = std::all_of(fitted.membranes.begin(), fitted.membranes.end(),
                                          [](const SurfaceMembrane& m) { return m.is_left_open; });
   if (cloud.is_denoised() && options.intersection_repair.enabled && are_left_open) {
-    ReconstructionOptions as_decided = options;
-    if (!fitted.membranes.empty())
-      as_decided.complete_matching.openings = CompleteMatchingOptions::Openings::leave_open;
     ResultMesh matched;
-    if (match_on_surface(fitted, cloud, points, noise, as_decided, matched, progress))
-      return matched;
+    if (match_on_surface(fitted, cloud, points, noise, options, matched, progress)) return matched;
   }
   progress.begin(Stage::parametric_surface);
   progress.set_part(1.0, 1.0);

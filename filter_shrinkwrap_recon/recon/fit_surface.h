@@ -27,14 +27,15 @@ void finish_surface(FittedSurface& fitted, const PointCloud& cloud,
                     const ReconstructionOptions& options, Progress& progress);
 
 /// Such a surface as a result, with its openings as the options said: face quality as in
-/// Reconstruction. Fills in `openings`, and counts anew which faces meet if some were dropped.
-/// Of a denoised cloud without openings, or if these are left open, that is farther from the
-/// surface than noise explains (SamplesOnSurfaceOptions), the result is instead the complete
-/// matching of the samples, which have moved onto it but for the detail; not if that had more faces
-/// that meet others or vertices that are no samples, nor without `intersection_repair`, which
-/// counts them. Fills in `detail` too; the cloud then has the samples where they have moved, in the
-/// same order. `points`: those that the cloud is of. `noise`: of `estimate_noise`. Throws
-/// ReconstructionFailed if all faces would be dropped.
+/// Reconstruction. Bodies face outwards if the run stops there; else as they were fitted. Fills in
+/// `openings`, and counts anew which faces meet if some were dropped. Of a denoised cloud without
+/// openings, or if all are left open, that is farther from the surface than noise explains
+/// (SamplesOnSurfaceOptions), the result is instead the complete matching of the samples, which
+/// have moved onto it but for the detail; not if that had more faces that meet others or vertices
+/// that are no samples, nor without `intersection_repair`, which counts them. Fills in `detail`
+/// too; the cloud then has the samples where they have moved, in the same order. `points`: those
+/// that the cloud is of. `noise`: of `estimate_noise`. Throws ReconstructionFailed if all faces
+/// would be dropped.
 ResultMesh stop_at(FittedSurface& fitted, PointCloud& cloud, const std::vector<Vec3>& points,
                    double noise, const ReconstructionOptions& options, Progress& progress);
 

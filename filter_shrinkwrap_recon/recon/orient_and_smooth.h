@@ -18,8 +18,9 @@ bool may_denoise(const ReconstructionOptions& options, double noise);
 /// Measures and orients the normals of a noisy cloud anew over wider neighbourhoods, moves its
 /// samples onto the surface that they scatter about, and changes `options` of the later stages to
 /// suit (larger voxels, none smaller for detail, a surface that follows the samples less closely),
-/// the more so the noisier the samples are. `orientation` becomes that of the new normals, if there
-/// are any. Pre: `progress` is in Stage::orientation.
+/// the more so the noisier the samples are; where most are hardly noisy (0.04), only moves them.
+/// `orientation` becomes that of the new normals, if there are any. Pre: `progress` is in
+/// Stage::orientation.
 DenoisingReport smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise,
                                  ReconstructionOptions& options, OrientationReport& orientation,
                                  Progress& progress);
@@ -34,7 +35,8 @@ DenoisingReport smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise,
 /// `stop_at_parametric_surface` set and `before_initial_mesh_from` 0, and the matching then goes on
 /// with `undo_denoising`; if the run stops at the surface of a clean cloud, so from the parametric
 /// surface on; if backs are openings, with `backs_are_openings`; if the surface was made anew, with
-/// `target_vertices` of the control mesh that stayed. Pre: the cloud was prepared with
+/// `target_vertices` of the control mesh that stayed; unless `stop_at` turned a body outwards that
+/// was fitted inside out, and is matched so by `reconstruct`. Pre: the cloud was prepared with
 /// `options.samples`.
 CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
                               Progress& progress);

@@ -118,7 +118,7 @@ struct Reconstruction {
   /// a quality if none spans. Vertex i is the i-th distinct sample that is no outlier, in the
   /// caller's order.
   ResultMesh mesh;
-  std::vector<StageRecord> stages;  ///< the rows of table 1, in order
+  std::vector<StageRecord> stages;  ///< the rows of table 1, in order, and what is not timed
   ConditioningReport conditioning;
   OutlierReport outliers;  ///< the samples that the promise leaves out
   OrientationReport orientation;

@@ -68,8 +68,8 @@ struct RepairReport {
     return annealed > 0 ? std::max(faces_before_annealing, faces_after) : faces_after;
   }
 
-  /// Of a further repair of the same mesh: what it left, and the work of both. Of a heap, `after`
-  /// then counts other pairs than `before`.
+  /// Of a further repair of the same mesh: the most that either found, what it left, and the work
+  /// of both. Of a heap, `after` then counts other pairs than `before`.
   void add(RepairReport further) {
     before = std::max(before, further.before);
     faces_before = std::max(faces_before, further.faces_before);

@@ -16,7 +16,7 @@ struct InitialMeshOptions {
   Start start = Start::winding_number;
 
   // winding_number; lengths in median spacings s
-  double voxel_size = 1.75;  ///< x s; but see `voxel_ratio_for_detail`
+  double voxel_size = 1.75;  ///< x s; see `voxel_ratio_for_detail` and make_voxel_solid
   double level =
       0.4;  ///< solid where the field exceeds it (0.5 makes false handles, 0.3 suits half scans)
   /// The same of open sheets, if it is lower; the less closed the cloud is

@@ -19,9 +19,10 @@ constexpr Index kMembraneBricksPerSample = 2;
 // In reach of the samples; a surface evenly sampled has less than a fifth of one.
 constexpr std::size_t kMostBricksPerSample = 4;
 constexpr std::size_t kMostBricksOfFewSamples = 1 << 12;
-// Faces of voxels along the surface: x those of one whose samples are all at the median spacing.
-constexpr double kMostUneven = 1.5;
-constexpr double kMostFacesOfFewSamples = 1 << 18;
+// A sample stands for a square of its spacing. Voxels are larger where these are more than so many
+// squares of the median spacing for each sample, and in all.
+constexpr double kMostSquaresPerSample = 3.0, kManySquares = 8e5;
+constexpr Index kLeastLeftOut = 30;  // of the samples farthest apart, or a thousandth
 // Coordinates of bricks fit their keys, with room for the bricks around.
 constexpr double kMostVoxelsPerAxis = 1 << 22;
 
@@ -60,16 +61,19 @@ class Classification {
   }
 
  private:
-  // Of the size asked for, or as large as it takes for the boundary not to be many times the
-  // samples: each of them stands for a square of its spacing.
-  double affordable_size(double asked_for) const {
+  // How many times as large as asked for voxels have to be for the boundary not to be many times
+  // the samples. A few may be as far apart as they like.
+  double enlargement() const {
+    std::vector<float> spacing = cloud_.local_spacing;
+    const Index left_out = std::max(kLeastLeftOut, cloud_.size() / 1000);
+    if (left_out >= cloud_.size()) return 1.0;
+    const auto end = spacing.end() - left_out;
+    std::nth_element(spacing.begin(), end, spacing.end());
     double squares = 0.0;
-    for (const float spacing : cloud_.local_spacing)
-      squares += static_cast<double>(spacing) * spacing;
-    const double of_even =
-        cloud_.size() * cloud_.spacing * cloud_.spacing / (asked_for * asked_for);
-    const double most = std::max(kMostUneven * of_even, kMostFacesOfFewSamples);
-    return std::max(asked_for, std::sqrt(squares / most));
+    for (auto s = spacing.begin(); s != end; ++s) squares += static_cast<double>(*s) * *s;
+    squares /= cloud_.spacing * cloud_.spacing;
+    const double most = std::max(kMostSquaresPerSample * cloud_.size(), kManySquares);
+    return std::max(1.0, std::sqrt(squares / most));
   }
 
   // Where many samples are so far apart, for the median spacing, that the voxels between them would
@@ -80,7 +84,7 @@ class Classification {
         std::max(kMostBricksPerSample * cloud_.position.size(), kMostBricksOfFewSamples);
     const Box box = bounding_box(cloud_.position);
     const double asked_for = options_.voxel_size * cloud_.spacing;
-    for (double size = affordable_size(asked_for);; size = 2.0 * solid_.lattice.size) {
+    for (double size = enlargement() * asked_for;; size = 2.0 * solid_.lattice.size) {
       solid_.lattice = lattice_over(box, size);
       PlaneField planes = make_plane_field(solid_.lattice.size / asked_for, progress);
       const std::vector<BrickKey> keys = planes.keys_of_bricks_in_reach(progress);

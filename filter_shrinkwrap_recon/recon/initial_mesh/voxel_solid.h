@@ -18,10 +18,11 @@ struct VoxelSolid {
 /// Voxels that are inside by the plane field near the samples and by the winding number elsewhere
 /// (`InitialMeshOptions::blend_begin` and `blend_end`). Bricks are those that samples reach, those
 /// through which the level set of the winding number runs from there (over openings), and all that
-/// touch these. Voxels are larger than asked for where samples would reach over four bricks each,
-/// as most of them are far more than the median spacing apart, or voxels very small. Pre: oriented
-/// normals. O(N) expected; parallel, the same for any number of threads. Throws
-/// ReconstructionFailed if the level set runs too far.
+/// touch these. Voxels are larger than asked for where the squares of the spacings of all samples,
+/// but for the widest, sum up to over three of the median for each, and 800,000; where samples
+/// would reach over four bricks each; and where they would be very small. Pre: oriented normals.
+/// O(N) expected; parallel, the same for any number of threads. Throws ReconstructionFailed if the
+/// level set runs too far.
 VoxelSolid make_voxel_solid(const PointCloud& cloud, const WindingNumber& winding,
                             const InitialMeshOptions& options, Progress& progress);
 

@@ -11,7 +11,7 @@ namespace shrinkwrap {
 namespace {
 
 constexpr int kDirectionsAtOnce = 8;       // depth buffers and votes that are held at a time ...
-constexpr double kPixelsHeld = 32.0;       // ... of no more pixels than that per sample, if need be
+constexpr double kPixelsHeld = 32.0;       // ... of no more pixels per sample than this, in all
 constexpr double kPixelsPerSample = 16.0;  // of one, at most
 constexpr double kSeenOpenly = 0.25;       // part of the views on one side
 // Mean closedness up to which samples are of an open sheet, and from which on they are of a body.
@@ -111,7 +111,7 @@ double affordable_pixel(double diagonal, std::size_t samples, double pixel) {
 // How many of its buffers to hold at a time.
 int directions_at_once(double diagonal, std::size_t samples, double pixel) {
   const double pixels = (diagonal / pixel) * (diagonal / pixel);
-  const double most = kPixelsHeld * static_cast<double>(samples) / pixels;
+  const double most = (8e4 + kPixelsHeld * static_cast<double>(samples)) / pixels;
   return static_cast<int>(std::clamp<double>(most, 1.0, kDirectionsAtOnce));
 }
 

@@ -16,9 +16,9 @@ struct NoiseOptions {
   /// handles between noisy layers, which smaller ones show too. Half as large again refutes handles
   /// of three spacings.
   double second_voxel_ratio = 1.25;
-  /// To smooth the parametric surface of a noisy cloud, normals and voxels are made wider,
-  /// by one unit for every `smooth_unit` of the upper fifth beyond `smooth_from`, at most
-  /// `most_units`.
+  /// To smooth the parametric surface of a noisy cloud (median from 0.04 on), normals and voxels
+  /// are made wider, by one unit for every `smooth_unit` of the upper fifth beyond `smooth_from`,
+  /// at most `most_units`.
   double smooth_from = 0.3;
   double smooth_unit = 0.35;
   double most_units = 1.5;

@@ -303,7 +303,7 @@ class OutlierSearch {
   const double widening_ =
       cloud_.conditioning.on_lines ? std::max(1.0, spacings_per_radius_ / kUsualRadius) : 1.0;
   const Index smallest_ = std::min(options_.smallest_set, std::max<Index>(cloud_.size() / 100, 4));
-  // Of a set that is more than the neighbourhood of a sample.
+  // Samples of a flat set: as many as a usual neighbourhood has.
   const Index least_ = std::min(cloud_.neighbour_count, SampleOptions::kUsualNeighbours);
   std::vector<char> core_, kept_;
   SharedSets sets_{cloud_.size(), progress_};
