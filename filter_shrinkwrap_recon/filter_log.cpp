@@ -199,7 +199,7 @@ void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings
     warnings.push_back(formatted("%.2f", 100.0 * (1.0 - report.samples_with_solid_behind)) +
                        " % of the samples have no solid behind them: walls may be thinner than the "
                        "cloud resolves.");
-  if (report.voxels_are_larger)
+  if (report.voxels_are_larger || report.spacing > 1.25)
     warnings.push_back(
         "Voxels of " + formatted("%.3g", report.voxel_size) +
         " median spacings were taken, larger than asked for: the samples are too "

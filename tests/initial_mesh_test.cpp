@@ -145,32 +145,50 @@ TEST(InitialMesh, LargerVoxelsAreSolidBehindDenseSamples) {
   EXPECT_GT(initial.report.samples_with_solid_behind, 0.999);
 }
 
-double voxels_of(const std::vector<Vec3>& points) {
-  const PointCloud cloud = oriented_cloud(points);
-  Progress silent;
-  return make_voxel_solid(cloud, WindingNumber(cloud), {}, silent).lattice.size / cloud.spacing;
+InitialMeshOptions without_detail() {
+  InitialMeshOptions options;
+  options.voxel_ratio_for_detail = 0.0;
+  return options;
 }
 
-// Half of the samples are eight times as close as the others: the boundary would have many times as
-// many vertices as there are samples.
+double voxels_of(const PointCloud& cloud, const InitialMeshOptions& options = {}) {
+  Progress silent;
+  return make_voxel_solid(cloud, WindingNumber(cloud), options, silent).lattice.size /
+         cloud.spacing;
+}
+
+// Three in five samples are five times as close as the others: in squares of their spacing, these
+// are ten per sample.
 TEST(VoxelSolid, VoxelsOfUnevenCloudsAreLarger) {
   Random random(8);
   std::vector<Vec3> points;
-  for (Index i = 0; i < 40000; ++i) {
-    points.push_back({random.uniform(), random.uniform(), 0.0});
-    points.push_back({random.uniform(0.4, 0.52), random.uniform(0.4, 0.52), 0.0});
+  for (Index i = 0; i < 6000; ++i) {
+    const bool is_dense = i % 5 < 3;
+    const double low = is_dense ? 0.4 : 0.0, high = is_dense ? 0.65 : 1.0;
+    points.push_back({random.uniform(low, high), random.uniform(low, high), 0.0});
+    points.back().z() = 0.1 * std::sin(5.0 * points.back().x());
   }
-  for (Vec3& p : points) p.z() = 0.1 * std::sin(5.0 * p.x());
-  const double size = voxels_of(points);
-  EXPECT_GT(size, 1.2 * InitialMeshOptions().voxel_size);
-  EXPECT_LT(size, 1.6 * InitialMeshOptions().voxel_size);
+  const PointCloud cloud = oriented_cloud(points);
+  InitialMeshOptions options = without_detail();
+  EXPECT_EQ(voxels_of(cloud, options), options.voxel_size) << "there are few squares in all";
+  options.many_squares = 0.0;
+  const double size = voxels_of(cloud, options);
+  EXPECT_GT(size, 1.2 * options.voxel_size);
+  EXPECT_LT(size, 2.0 * options.voxel_size);
+  Progress silent;
+  const InitialMesh initial = make_initial_mesh(cloud, options, silent);
+  EXPECT_NEAR(initial.report.spacing, size / options.voxel_size, 1e-9);
+  EXPECT_FALSE(initial.report.voxels_are_larger);
+  EXPECT_GT(initial.report.samples_with_solid_behind, 0.999);
+  options.voxel_size *= 0.7;
+  EXPECT_NEAR(voxels_of(cloud, options), 0.7 * size, 1e-9);
 }
 
 TEST(VoxelSolid, VoxelsAreNoLargerForSomeStrays) {
   Random random(9);
   std::vector<Vec3> points = sample_shape(ShapeKind::sphere, 20000, 3);
   for (int i = 0; i < 20; ++i) points.push_back(50.0 * random.in_cube());
-  EXPECT_NEAR(voxels_of(points), InitialMeshOptions().voxel_size, 1e-9);
+  EXPECT_EQ(voxels_of(oriented_cloud(points)), InitialMeshOptions().voxel_size);
 }
 
 TEST(InitialMesh, WhereNothingIsInsideTheSolidIsWhatIsNearTheSamples) {
@@ -262,12 +280,6 @@ TEST(VoxelSolid, BricksAreNoMoreThanAFewTimesTheSamples) {
   const InitialMesh usual =
       initial_mesh_of(oriented_cloud(sample_shape(ShapeKind::sphere, 500, 3)));
   EXPECT_FALSE(usual.report.voxels_are_larger);
-}
-
-InitialMeshOptions without_detail() {
-  InitialMeshOptions options;
-  options.voxel_ratio_for_detail = 0.0;
-  return options;
 }
 
 TEST(InitialMesh, SmallerVoxelsPartBodiesThatAreClose) {

@@ -80,6 +80,26 @@ TEST(VoxelRefinement, KeepsDensePartsApart) {
               0.01 * coarse.mesh.vertex_count());
 }
 
+// The same where the small balls have most of the samples, and voxels suit a wider spacing.
+TEST(VoxelRefinement, KeepsDensePartsApartThatHaveMostSamples) {
+  std::vector<Vec3> points;
+  add_ball(points, Vec3::Zero(), 1.0, 700, 1);
+  add_ball(points, {1.6, 0.14, 0.0}, 0.1, 400, 2);
+  add_ball(points, {1.6, -0.14, 0.0}, 0.1, 400, 3);
+  const PointCloud cloud = oriented_cloud(points);
+  InitialMeshOptions options;
+  options.voxel_ratio_for_detail = options.voxel_ratio_for_bodies = options.many_squares = 0.0;
+  options.dense_spacing = kNever;
+  Progress silent;
+  const InitialMesh coarse = make_initial_mesh(cloud, options, silent);
+  EXPECT_GT(coarse.report.spacing, 2.0);
+  EXPECT_EQ(coarse.report.components, 2) << "the test is of no use";
+  options.dense_spacing = kDefault;
+  const InitialMesh mesh = make_initial_mesh(cloud, options, silent);
+  EXPECT_EQ(mesh.report.refined_parts, 1);
+  expect_closed_manifold(mesh.mesh, 3, 0);
+}
+
 TEST(VoxelRefinement, LeavesEvenCloudsAlone) {
   for (const ShapeKind kind : {ShapeKind::double_torus, ShapeKind::thin_plate, ShapeKind::blob}) {
     SCOPED_TRACE(shape_of(kind).name);

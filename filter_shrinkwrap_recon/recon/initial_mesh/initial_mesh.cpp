@@ -35,9 +35,9 @@ constexpr double kLeastVoxelForBodies = 0.4;  // x s
 // Shrinks the mesh towards the planes of the samples of its own side, all vertices at once (eq.
 // 4-8, with the plane in place of the nearest sample, which folds the mesh in concavities).
 void shrink(SurfaceMesh& mesh, const PointCloud& cloud, const InitialMeshOptions& options,
-            Progress& progress) {
+            double spacing, Progress& progress) {
   const TangentTarget tangent(cloud);
-  const double max_step = options.max_step * cloud.spacing;
+  const double max_step = options.max_step * spacing;
   std::vector<Index> hint(mesh.position.size(), kNone);
   std::vector<Vec3> moved(mesh.position.size());
   for (int iteration = 0; iteration < options.shrink_iterations; ++iteration) {
@@ -66,20 +66,22 @@ void shrink(SurfaceMesh& mesh, const PointCloud& cloud, const InitialMeshOptions
   }
 }
 
-// Above a sample, x s.
-Vec3 point_above(const PointCloud& cloud, Index i, double height) {
-  return cloud.position[i] + height * cloud.spacing * cloud.normal[i].cast<double>();
+// Above a sample, x the spacing that the voxels suit.
+Vec3 point_above(const PointCloud& cloud, const VoxelSolid& solid, Index i, double height) {
+  return cloud.position[i] + height * solid.spacing * cloud.normal[i].cast<double>();
 }
 
 bool has_solid_at(std::initializer_list<double> heights, const PointCloud& cloud, Index i,
                   const VoxelSolid& solid) {
-  return std::any_of(heights.begin(), heights.end(),
-                     [&](double height) { return solid.contains(point_above(cloud, i, height)); });
+  return std::any_of(heights.begin(), heights.end(), [&](double height) {
+    return solid.contains(point_above(cloud, solid, i, height));
+  });
 }
 
-bool is_faced_at(std::initializer_list<double> heights, const PointCloud& cloud, Index i) {
+bool is_faced_at(std::initializer_list<double> heights, const PointCloud& cloud, Index i,
+                 const VoxelSolid& solid) {
   return std::any_of(heights.begin(), heights.end(), [&](double height) {
-    const Index other = cloud.search.nearest(point_above(cloud, i, height)).index;
+    const Index other = cloud.search.nearest(point_above(cloud, solid, i, height)).index;
     return cloud.normal[other].dot(cloud.normal[i]) < kFacingCosine;
   });
 }
@@ -108,7 +110,7 @@ double fraction_with_solid_behind(const PointCloud& cloud, const VoxelSolid& sol
 double fraction_grown_together(const PointCloud& cloud, const VoxelSolid& solid,
                                Progress& progress) {
   const auto is_grown_together = [&](Index i) {
-    return has_solid_at({1.5, 2.0}, cloud, i, solid) && is_faced_at({2.0, 3.5}, cloud, i);
+    return has_solid_at({1.5, 2.0}, cloud, i, solid) && is_faced_at({2.0, 3.5}, cloud, i, solid);
   };
   return fraction_of_samples(cloud, is_grown_together, progress);
 }
@@ -192,7 +194,8 @@ class SolidBoundary {
     InitialMeshReport& report = result_.report;
     const double voxel_size = solid_.lattice.size;
     report.voxel_size = voxel_size / cloud.spacing;
-    report.voxels_are_larger = voxel_size > options.voxel_size * cloud.spacing;
+    report.spacing = solid_.spacing / cloud.spacing;
+    report.voxels_are_larger = voxel_size > options.voxel_size * solid_.spacing;
     if (!report.voxels_are_larger)
       report.refined_parts = refine_dense_parts(solid_, cloud, winding, options, progress);
     progress.set_range(0.6, 0.7);
@@ -409,7 +412,7 @@ InitialMesh make_initial_mesh(const PointCloud& cloud, const InitialMeshOptions&
     result.report.handles_cut = limit_genus(result.mesh, options.maximum_genus, progress).cut;
     result.report.genus -= result.report.handles_cut;
   }
-  shrink(result.mesh, cloud, options, progress);
+  shrink(result.mesh, cloud, options, result.report.spacing * cloud.spacing, progress);
   return result;
 }
 

@@ -16,7 +16,12 @@ struct InitialMeshOptions {
   Start start = Start::winding_number;
 
   // winding_number; lengths in median spacings s
-  double voxel_size = 1.75;  ///< x s; see `voxel_ratio_for_detail` and make_voxel_solid
+  double voxel_size = 1.75;  ///< x s; but see `voxel_ratio_for_detail`
+  /// Each sample stands for a square of its spacing (at most 16 s). Where these are more than so
+  /// many squares of s for each sample, and `many_squares` in all, the boundary would be many times
+  /// the samples: then s is wider here, so that they are as many.
+  double squares_per_sample = 3.0;
+  double many_squares = 8e5;
   double level =
       0.4;  ///< solid where the field exceeds it (0.5 makes false handles, 0.3 suits half scans)
   /// The same of open sheets, if it is lower; the less closed the cloud is
@@ -81,10 +86,11 @@ struct InitialMeshReport {
   /// 2 or 3.5 s before them faces them.
   double grown_together = 0.0;
   double voxel_size = 0.0;         ///< x s, of the solid that was taken; 0: none was made
+  double spacing = 1.0;            ///< s as voxels suit it, x that of the cloud
   double sharp = 0.0;              ///< part of the samples: see `voxel_ratio_for_detail`
   bool is_of_detail_size = false;  ///< the voxels are smaller for these
   Index refined_parts = 0;         ///< dense parts with voxels of half that
-  bool voxels_are_larger = false;  ///< than asked for: see make_voxel_solid
+  bool voxels_are_larger = false;  ///< than asked for, for that: see make_voxel_solid
   Index genus = 0;                 ///< of the mesh, summed over the components
   Index false_handles = 0;         ///< cut, as no samples bear them out
   Index false_mouths = 0;          ///< closed: the same, of tunnels into cavities

@@ -11,9 +11,6 @@ namespace {
 
 constexpr Index kGrain = 1 << 12;
 constexpr Index kBinGrain = 64;
-// x median spacing: no sample reaches farther than if it were so isolated. Where a dense part has
-// most of the samples, those elsewhere may be as far apart, and planes must meet between them.
-constexpr double kGreatestSpacing = 16;
 constexpr double kLeastReach = 1.75;  // x size of a voxel
 
 // Of the brick at a coordinate of voxels.

@@ -18,6 +18,10 @@ struct BrickPlanes {
   float nearest[BrickIndex::kVoxels];
 };
 
+/// x median spacing: no sample reaches farther than if it were so isolated. Where a dense part has
+/// most of the samples, those elsewhere may be as far apart, and planes must meet between them.
+constexpr double kGreatestSpacing = 16.0;
+
 struct PlaneFieldOptions {
   /// x local spacing s_i, which counts as 16 median spacings at most; 1.75 voxels at least.
   double reach = 2.5;

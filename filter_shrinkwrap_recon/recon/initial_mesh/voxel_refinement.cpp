@@ -47,9 +47,9 @@ class Refinement {
     part_.resize(solid_.image.mask.size(), kNone);
 
     const VoxelSolid before = in_halves([&](Index brick) { return is_near_part(brick); });
-    const VoxelSolid after =
-        with_bricks_classified(before, bricks_of_parts(before.image.bricks), kSmallerVoxels, cloud_,
-                               winding_, options_, progress);
+    const VoxelSolid after = with_bricks_classified(
+        before, bricks_of_parts(before.image.bricks),
+        kSmallerVoxels * solid_.spacing / cloud_.spacing, cloud_, winding_, options_, progress);
     const std::vector<char> is_better = better_parts(before, after, progress);
     const Index taken = static_cast<Index>(std::count(is_better.begin(), is_better.end(), 1));
     if (taken == 0) return 0;
@@ -72,7 +72,7 @@ class Refinement {
     const std::vector<float> mean = mean_around(cloud_.local_spacing, progress);
     // Of samples at random some 20 may happen to be close, but not all around them too.
     const std::vector<float> wide_mean = mean_around(mean, progress);
-    const float most = static_cast<float>(options_.dense_spacing * cloud_.spacing);
+    const float most = static_cast<float>(options_.dense_spacing * solid_.spacing);
     return parallel_collect<Index>(cloud_.size(), kGrain, progress,
                                    [&](Index begin, Index end, std::vector<Index>& dense) {
                                      for (Index i = begin; i < end; ++i)
@@ -95,7 +95,7 @@ class Refinement {
     dense_ = dense_samples(progress);
     if (static_cast<Index>(dense_.size()) < kLeastSamples) return;
     const BrickIndex& bricks = solid_.image.bricks;
-    const Vec3 reach = Vec3::Constant(options_.blend_end * cloud_.spacing);
+    const Vec3 reach = Vec3::Constant(options_.blend_end * solid_.spacing);
     const auto brick_at = [&](const Vec3& p) {
       return BrickIndex::brick_of(solid_.lattice.voxel_of(p));
     };
@@ -177,6 +177,7 @@ class Refinement {
   VoxelSolid in_halves(const IsWanted& is_wanted) const {
     VoxelSolid halves;
     halves.lattice = solid_.lattice;
+    halves.spacing = solid_.spacing;
     halves.lattice.size *= kSmallerVoxels;
     const VoxelImage& image = solid_.image;
     for (Index brick = 0; brick < image.bricks.size(); ++brick) {
@@ -252,7 +253,7 @@ class Refinement {
       const Index part = part_at(cloud_.position[i]);
       if (part == kNone) continue;
       const double spacing =
-          std::max<double>(cloud_.local_spacing[i], kSmallerVoxels * cloud_.spacing);
+          std::max<double>(cloud_.local_spacing[i], kSmallerVoxels * solid_.spacing);
       const Vec3 depth = kDepth * spacing * cloud_.normal[i].cast<double>();
       ++evidence[part].samples;
       evidence[part].solid_behind += refined.contains(cloud_.position[i] - depth);

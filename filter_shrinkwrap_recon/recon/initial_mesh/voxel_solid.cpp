@@ -19,10 +19,6 @@ constexpr Index kMembraneBricksPerSample = 2;
 // In reach of the samples; a surface evenly sampled has less than a fifth of one.
 constexpr std::size_t kMostBricksPerSample = 4;
 constexpr std::size_t kMostBricksOfFewSamples = 1 << 12;
-// A sample stands for a square of its spacing. Voxels are larger where these are more than so many
-// squares of the median spacing for each sample, and in all.
-constexpr double kMostSquaresPerSample = 3.0, kManySquares = 8e5;
-constexpr Index kLeastLeftOut = 30;  // of the samples farthest apart, or a thousandth
 // Coordinates of bricks fit their keys, with room for the bricks around.
 constexpr double kMostVoxelsPerAxis = 1 << 22;
 
@@ -61,19 +57,18 @@ class Classification {
   }
 
  private:
-  // How many times as large as asked for voxels have to be for the boundary not to be many times
-  // the samples. A few may be as far apart as they like.
-  double enlargement() const {
-    std::vector<float> spacing = cloud_.local_spacing;
-    const Index left_out = std::max(kLeastLeftOut, cloud_.size() / 1000);
-    if (left_out >= cloud_.size()) return 1.0;
-    const auto end = spacing.end() - left_out;
-    std::nth_element(spacing.begin(), end, spacing.end());
+  // See InitialMeshOptions::squares_per_sample.
+  double spacing_to_suit() const {
+    const double greatest = kGreatestSpacing * cloud_.spacing;
     double squares = 0.0;
-    for (auto s = spacing.begin(); s != end; ++s) squares += static_cast<double>(*s) * *s;
-    squares /= cloud_.spacing * cloud_.spacing;
-    const double most = std::max(kMostSquaresPerSample * cloud_.size(), kManySquares);
-    return std::max(1.0, std::sqrt(squares / most));
+    for (const float spacing : cloud_.local_spacing) {
+      const double s = std::min<double>(spacing, greatest);
+      squares += s * s;
+    }
+    const double most =
+        std::max(options_.squares_per_sample * cloud_.size(), options_.many_squares);
+    const double excess = squares / (most * cloud_.spacing * cloud_.spacing);
+    return excess > 1.0 ? std::sqrt(excess) * cloud_.spacing : cloud_.spacing;
   }
 
   // Where many samples are so far apart, for the median spacing, that the voxels between them would
@@ -83,10 +78,11 @@ class Classification {
     const std::size_t most =
         std::max(kMostBricksPerSample * cloud_.position.size(), kMostBricksOfFewSamples);
     const Box box = bounding_box(cloud_.position);
-    const double asked_for = options_.voxel_size * cloud_.spacing;
-    for (double size = enlargement() * asked_for;; size = 2.0 * solid_.lattice.size) {
+    solid_.spacing = spacing_to_suit();
+    for (double size = options_.voxel_size * solid_.spacing;; size = 2.0 * solid_.lattice.size) {
       solid_.lattice = lattice_over(box, size);
-      PlaneField planes = make_plane_field(solid_.lattice.size / asked_for, progress);
+      PlaneField planes =
+          make_plane_field(solid_.lattice.size / (options_.voxel_size * cloud_.spacing), progress);
       const std::vector<BrickKey> keys = planes.keys_of_bricks_in_reach(progress);
       if (keys.size() > most) continue;
       for (const BrickKey key : keys) solid_.image.add(brick_of_key(key));

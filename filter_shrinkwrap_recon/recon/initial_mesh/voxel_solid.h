@@ -11,6 +11,7 @@ struct VoxelSolid {
   VoxelLattice lattice;
   VoxelImage image;
   std::vector<BrickMask> near_samples;  ///< per brick of the image: voxels that samples reach
+  double spacing = 0.0;                 ///< that the size of the voxels suits: the median, or wider
 
   bool contains(const Vec3& p) const { return image.is_solid(lattice.voxel_of(p)); }
 };
@@ -18,9 +19,9 @@ struct VoxelSolid {
 /// Voxels that are inside by the plane field near the samples and by the winding number elsewhere
 /// (`InitialMeshOptions::blend_begin` and `blend_end`). Bricks are those that samples reach, those
 /// through which the level set of the winding number runs from there (over openings), and all that
-/// touch these. Voxels are larger than asked for where the squares of the spacings of all samples,
-/// but for the widest, sum up to over three of the median for each, and 800,000; where samples
-/// would reach over four bricks each; and where they would be very small. Pre: oriented normals.
+/// touch these. Voxels suit a wider spacing than the median in very uneven clouds
+/// (`InitialMeshOptions::squares_per_sample`). They are larger than asked for, for that spacing,
+/// where samples would reach over four bricks each, or voxels be very small. Pre: oriented normals.
 /// O(N) expected; parallel, the same for any number of threads. Throws ReconstructionFailed if the
 /// level set runs too far.
 VoxelSolid make_voxel_solid(const PointCloud& cloud, const WindingNumber& winding,
