@@ -141,6 +141,11 @@ void tell_of_noise(Filter filter, const NoiseEstimate& noise, const DenoisingRep
   outcome.figures["noise"] = noise.median;
   outcome.log.push_back("noise of the samples: about " + formatted("%.2f", noise.median) +
                         " spacings");
+  const std::string part = count_of(noise.more.samples, "sample") + " (" +
+                           formatted("%.1f", 100.0 * noise.more.part) + " %)";
+  if (noise.more.samples > 0)
+    outcome.log.push_back("around " + part + " there is more: about " +
+                          formatted("%.2f", noise.more.median) + " spacings");
   if (layers.axis != kNone)
     outcome.log.push_back(
         "the samples lie in " + count_of(layers.count, "layer") + " along " +
@@ -152,10 +157,15 @@ void tell_of_noise(Filter filter, const NoiseEstimate& noise, const DenoisingRep
                           formatted("%.2f", denoising.mean_displacement) +
                           " spacings in the mean, " +
                           formatted("%.2f", denoising.max_displacement) + " at most");
-  if (noise.median > options.noise.high && !options.stop_at_parametric_surface)
+  const bool is_noisy = noise.median > options.noise.high;
+  const bool is_partly_noisy = noise.more.part > options.denoising.before_initial_mesh_part &&
+                               noise.more.median > options.noise.high;
+  if ((is_noisy || is_partly_noisy) && !options.stop_at_parametric_surface)
     outcome.warnings.push_back(
-        "The samples are noisy, by about " + formatted("%.2f", noise.median) +
-        " of their spacing: a mesh through every one of them is rough. " +
+        (is_noisy ? "The samples are noisy, by about " + formatted("%.2f", noise.median) +
+                        " of their spacing: a mesh through every one of them is rough. "
+                  : part + " are noisy, by about " + formatted("%.2f", noise.more.median) +
+                        " of their spacing: a mesh through every one of them is rough there. ") +
         (filter == Filter::reconstruct
              ? "Stop at the parametric surface (StopAtParametricSurface) for a smooth one near "
                "them."

@@ -69,6 +69,22 @@ TEST(FilterLog, NoiseAndWhatWasSmoothedAreTold) {
   EXPECT_FALSE(is_told(run(Filter::reconstruct, input), "noise smoothed"));
 }
 
+TEST(FilterLog, NoiseOfAPartIsTold) {
+  Random random(4);
+  FilterInput input;
+  input.points = sample_shape(ShapeKind::sphere, 4000, 3);
+  for (Vec3& p : input.points)
+    if (p.x() > 0.4) p += 0.05 * random.in_cube();
+  input.points = in_single_precision(std::move(input.points));
+  const FilterOutcome mesh = run(Filter::reconstruct, input);
+  const FilterOutcome surface = run(Filter::reconstruct, input, {{"StopAtParametricSurface", 1}});
+  const std::string offer = " %) are noisy, by about 0.";
+  for (const FilterOutcome& outcome : {mesh, surface})
+    EXPECT_TRUE(is_told(outcome, " %) there is more: about 0."));
+  EXPECT_TRUE(is_in(mesh.warnings, offer));
+  EXPECT_FALSE(is_in(surface.warnings, offer));
+}
+
 TEST(FilterLog, LayersAreTold) {
   FilterInput input;
   for (int x = 0; x < 60; ++x)

@@ -55,15 +55,20 @@ CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
     progress.set_part(0.0, 0.15);
   }
   report.orientation = orient_normals(cloud, options.orientation, progress);
-  if (may_smooth) progress.set_part(0.15, 0.2);
+  if (may_smooth) progress.set_part(0.15, 0.17);
   report.noise = estimate_noise(cloud, options.noise, progress);
   if (report.noise.median > options.noise.high) {
     options.initial_mesh.dense_spacing = options.initial_mesh.voxel_ratio_for_detail = 0.0;
     if (options.initial_mesh.second_voxel_ratio > 0.0)
       options.initial_mesh.second_voxel_ratio = options.noise.second_voxel_ratio;
   }
-  if (may_denoise(options, report.noise.median) &&
-      report.noise.median >= options.denoising.before_initial_mesh_from)
+  if (may_smooth) progress.set_part(0.17, 0.2);
+  if (is_robust(options))
+    report.noise.more =
+        measure_more_noise(cloud, report.noise.median, options.more_noise, progress);
+  if (!may_denoise(options, report.noise.median)) return report;
+  if (report.noise.median >= options.denoising.before_initial_mesh_from ||
+      report.noise.more.part > options.denoising.before_initial_mesh_part)
     report.denoising = smooth_for_noise(cloud, report.noise, options, report.orientation, progress);
   return report;
 }

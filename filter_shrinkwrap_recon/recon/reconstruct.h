@@ -29,6 +29,7 @@ struct ReconstructionOptions {
   OutlierOptions outliers;
   OrientationOptions orientation;
   NoiseOptions noise;
+  MoreNoiseOptions more_noise;
   DenoisingOptions denoising;
   InitialMeshOptions initial_mesh;
   ControlMeshOptions control_mesh;

@@ -20,6 +20,7 @@ constexpr Index kGrain = 1 << 8;
 struct Kept {
   Index input_index;
   Vec3f normal;
+  float more_noise;
 };
 
 // Moves outliers, ascending, from the report to the cloud.
@@ -42,10 +43,12 @@ void keep(const std::vector<Kept>& kept, PointCloud& cloud, OutlierReport& repor
   for (const Index i : order) {
     const bool is_new = i >= cloud.size();
     const Kept outlier =
-        is_new ? kept[i - cloud.size()] : Kept{cloud.input_index[i], cloud.normal[i]};
+        is_new ? kept[i - cloud.size()] : Kept{cloud.input_index[i], cloud.normal[i], 0.0f};
     next.position.push_back(position[i]);
     next.input_index.push_back(outlier.input_index);
     normal.push_back(outlier.normal);
+    if (!cloud.more_noise.empty())
+      next.more_noise.push_back(is_new ? outlier.more_noise : cloud.more_noise[i]);
     if (!cloud.plane.empty())
       next.plane.push_back(is_new ? TangentPlane{position[i].cast<float>(), outlier.normal}
                                   : cloud.plane[i]);
@@ -77,7 +80,8 @@ Index keep_outliers_on_surface(PointCloud& cloud, OutlierReport& report,
       if (gap > options.widest_gap * spacing) continue;
       const Index face = tree.nearest(p, std::pow(options.foot * gap, 2), kNone, any, anchor).face;
       if (face == kNone) continue;
-      kept.push_back({outliers[n], unit_or_zero(mesh.area_vector(face)).cast<float>()});
+      kept.push_back({outliers[n], unit_or_zero(mesh.area_vector(face)).cast<float>(),
+                      cloud.more_noise.empty() ? 0.0f : cloud.more_noise[nearest.index]});
     }
   };
   const std::vector<Kept> kept =
@@ -101,7 +105,7 @@ void keep_outliers_among(PointCloud& cloud, OutlierReport& report, const std::ve
   }
   sort_unique(found);
   std::vector<Kept> kept;
-  for (const Index i : found) kept.push_back({i, Vec3f::UnitZ()});
+  for (const Index i : found) kept.push_back({i, Vec3f::UnitZ(), 0.0f});
   keep(kept, cloud, report, points, progress);
 }
 

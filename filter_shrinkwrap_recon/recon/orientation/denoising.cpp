@@ -10,6 +10,7 @@
 #include "common/parallel.h"
 #include "geometry/morton.h"
 #include "orientation/orientation.h"
+#include "orientation/wide_normals.h"
 
 namespace shrinkwrap {
 namespace {
@@ -38,6 +39,7 @@ constexpr double kTypical = 0.3;
 // A sample keeps of its height over the smallest quadric what exceeds so many times the square that
 // is typical: most samples have more noise than the typical.
 constexpr double kOwnEnergy = 1.5;
+constexpr double kSameNoise = 2.0;        // noise of neighbours is about the same up to this factor
 constexpr double kLeastVariance = 1e-12;  // of the noise, in squared local spacings
 
 using Coefficients = Eigen::Matrix<double, kCoefficients, 1>;
@@ -126,17 +128,15 @@ struct Place {
 class Denoiser {
  public:
   Denoiser(const PointCloud& cloud, double noise, const DenoisingOptions& options)
-      : cloud_(cloud), options_(options), sizes_(std::clamp(options.sizes, 1, kMostSizes)) {
-    noise = std::min(noise, kGreatestNoise);
-    double radius = options.first_radius + options.radius_per_noise * noise;
-    least_cosine_ =
-        static_cast<float>(std::max(options.least_cosine - options.cosine_per_noise * noise, 0.0));
-    for (int size = 0; size < sizes_; ++size, radius *= options.growth)
-      squared_radius_[size] = radius * radius;
-  }
+      : cloud_(cloud),
+        options_(options),
+        sizes_(std::clamp(options.sizes, 1, kMostSizes)),
+        noise_of_cloud_(noise) {}
 
   // Where the surface passes each sample.
   std::vector<Place> places(Progress& progress) {
+    progress.set_range(0.0, 0.1);
+    normal_ = cloud_.more_noise.empty() ? cloud_.normal : wide_normals(cloud_, progress);
     measure_noise(progress);
     measure_shapes(progress);
     for (int step = 0; step < sizes_; ++step) {
@@ -147,7 +147,7 @@ class Denoiser {
     parallel_for_each(cloud_.size(), kGrain, progress, [&](Index i) {
       const Axes axes = axes_at(i);
       const Shape& shape = shape_[i];
-      places[i] = {axes.origin + shape.height / axes.scale * axes.normal, cloud_.normal[i]};
+      places[i] = {axes.origin + shape.height / axes.scale * axes.normal, normal_[i]};
       if (shape.u != 0.0f || shape.v != 0.0f)
         places[i].normal =
             (axes.normal - shape.u * axes.u - shape.v * axes.v).normalized().cast<float>();
@@ -165,15 +165,33 @@ class Denoiser {
     return 1.0 / std::min<double>(cloud_.local_spacing[sample], kGreatestSpacing * cloud_.spacing);
   }
   Axes axes_at(Index sample) const {
-    const Vec3 normal = cloud_.normal[sample].cast<double>(), u = normal.unitOrthogonal();
+    const Vec3 normal = normal_[sample].cast<double>(), u = normal.unitOrthogonal();
     return {cloud_.position[sample], normal, u, normal.cross(u), scale_at(sample)};
+  }
+
+  double noise_at(Index sample) const {
+    return std::min(cloud_.noise_at(sample, noise_of_cloud_), kGreatestNoise);
+  }
+  float least_cosine_at(Index sample) const {
+    return static_cast<float>(
+        std::max(options_.least_cosine - options_.cosine_per_noise * noise_at(sample), 0.0));
+  }
+  // Squared, x local spacing.
+  std::array<double, kMostSizes> radii_at(Index sample) const {
+    std::array<double, kMostSizes> squared{};
+    double radius = options_.first_radius + options_.radius_per_noise * noise_at(sample);
+    for (int size = 0; size < sizes_; ++size, radius *= options_.growth)
+      squared[size] = radius * radius;
+    return squared;
   }
 
   // The samples around one, by the smallest of `sizes` neighbourhoods that holds them: a cylinder
   // as high above and below the sample as it is wide.
   std::array<Moments, kMostSizes> rings_at(Index sample, const Axes& axes, int sizes) const {
     std::array<Moments, kMostSizes> rings;
-    const double largest = squared_radius_[sizes - 1];
+    const std::array<double, kMostSizes> squared_radius = radii_at(sample);
+    const double largest = squared_radius[sizes - 1];
+    const float least_cosine = least_cosine_at(sample);
     const auto& points = cloud_.search.ordered_points();
     const double reach = std::sqrt(2.0 * largest) / axes.scale;
     Index looks_left = kMostLooks;
@@ -185,9 +203,9 @@ class Denoiser {
         const double extent = std::max(offset.squaredNorm() - z * z, z * z);
         if (extent > largest) continue;
         const Index other = cloud_.search.ordered_index()[i];
-        if (!(cloud_.normal[other].dot(cloud_.normal[sample]) > least_cosine_)) continue;
+        if (!(normal_[other].dot(normal_[sample]) > least_cosine)) continue;
         int size = 0;
-        while (extent > squared_radius_[size]) ++size;
+        while (extent > squared_radius[size]) ++size;
         rings[size].add(offset.dot(axes.u), offset.dot(axes.v), z);
       }
       return looks_left > 0;
@@ -217,11 +235,11 @@ class Denoiser {
   // Residuals of neighbours, and of them a noise for each sample.
   void measure_noise(Progress& progress) {
     std::vector<float> residual(cloud_.position.size());
-    progress.set_range(0.0, 0.15);
+    progress.set_range(0.1, 0.25);
     parallel_for_each(cloud_.size(), kGrain, progress,
                       [&](Index i) { residual[i] = residual_at(i); });
     noise_.resize(residual.size());
-    progress.set_range(0.15, 0.2);
+    progress.set_range(0.25, 0.3);
     parallel_for_each(cloud_.size(), kGrain, progress, [&](Index i) {
       const float noise = static_cast<float>(pooled(residual, i) * scale_at(i));
       noise_[i] = std::isfinite(noise) ? noise : 0.0f;  // samples too near for a spacing
@@ -234,11 +252,13 @@ class Denoiser {
     typical_noise_ = *typical;
   }
 
+  double typical_at(Index sample) const { return cloud_.noise_at(sample, typical_noise_); }
   // Little more or less than what is typical is typical: it may be detail, or chance.
-  double less_detail(double noise) const {
-    if (noise > options_.alike * typical_noise_) return noise / options_.alike;
-    if (noise * options_.alike < typical_noise_) return noise * options_.alike;
-    return typical_noise_;
+  double less_detail(Index sample) const {
+    const double noise = noise_[sample], typical = typical_at(sample);
+    if (noise > options_.alike * typical) return noise / options_.alike;
+    if (noise * options_.alike < typical) return noise * options_.alike;
+    return typical;
   }
 
   // The quadrics of all sizes at each sample: the widest, and the steps from each to the next, with
@@ -249,16 +269,18 @@ class Denoiser {
       step_[step].assign(cloud_.position.size(), {});
       energy_[step].assign(cloud_.position.size(), {});
     }
-    progress.set_range(0.2, 0.7);
+    progress.set_range(0.3, 0.7);
     parallel_for_each(cloud_.size(), kGrain, progress, [&](Index i) { measure_shapes_at(i); });
   }
 
   void measure_shapes_at(Index sample) {
     const Axes axes = axes_at(sample);
     const std::array<Moments, kMostSizes> rings = rings_at(sample, axes, sizes_);
-    const double noise = less_detail(noise_[sample]);
+    const double noise = less_detail(sample);
     const double squared_noise = noise * noise + kLeastVariance;
     const double most = std::max<double>(noise, noise_[sample]);
+    const std::array<double, kMostSizes> squared_radius = radii_at(sample);
+    const double typical = typical_at(sample);
     Moments sum;
     Kept smaller_variance = Kept::Zero();
     bool is_first = true;
@@ -266,7 +288,7 @@ class Denoiser {
       sum += rings[size];
       const HeightField quadric(sum);
       if (!quadric.is_valid && is_first) continue;
-      if (!quadric.is_valid || std::abs(quadric.coefficient[0]) > std::sqrt(squared_radius_[size]))
+      if (!quadric.is_valid || std::abs(quadric.coefficient[0]) > std::sqrt(squared_radius[size]))
         break;
       const double expected =
           most * most * (1.0 + options_.misfit * std::sqrt(2.0 / sum.freedom()));
@@ -278,7 +300,7 @@ class Denoiser {
         // The sample has a height, which is part of the fit, and no slopes. Beside an edge that no
         // quadric fits it is the detail that makes the residuals.
         const double spare = kOwnEnergy * (1.0 - std::min(quadric.variance[0], 1.0)) *
-                                 (typical_noise_ * typical_noise_ + kLeastVariance) +
+                                 (typical * typical + kLeastVariance) +
                              kLeastVariance;
         step_[0][sample] = {-shape.height, 0.0f, 0.0f};
         energy_[0][sample] = {
@@ -299,15 +321,19 @@ class Denoiser {
     }
   }
 
-  // Mean over the neighbours that look the same way.
+  // Mean over the neighbours that look the same way and have about as much noise around them: where
+  // there is hardly any, a step is many times what that explains, and would tell nothing here.
   Energy mean_energy(const std::vector<Energy>& energy, Index sample) const {
     if (!energy[sample].is_known()) return {};
+    const float least_cosine = least_cosine_at(sample);
+    const double noise = noise_at(sample);
     Energy sum{0.0f, 0.0f};
     float count = 0.0f;
     for (int entry = 0; entry < std::min(kPooled, cloud_.neighbour_count); ++entry) {
       const Index other = cloud_.neighbours_of(sample)[entry];
-      if (!energy[other].is_known() ||
-          !(other == sample || cloud_.normal[other].dot(cloud_.normal[sample]) > least_cosine_))
+      const double others = noise_at(other);
+      if (!energy[other].is_known() || others > kSameNoise * noise || noise > kSameNoise * others ||
+          !(other == sample || normal_[other].dot(normal_[sample]) > least_cosine))
         continue;
       sum.height += energy[other].height;
       sum.slope += energy[other].slope;
@@ -341,9 +367,9 @@ class Denoiser {
   const PointCloud& cloud_;
   const DenoisingOptions& options_;
   int sizes_;
-  float least_cosine_ = 0.0f;
-  std::array<double, kMostSizes> squared_radius_{};  // x local spacing
-  std::vector<float> noise_;                         // around each sample, x local spacing
+  double noise_of_cloud_;
+  std::vector<Vec3f> normal_;  // of each sample
+  std::vector<float> noise_;   // of the neighbours of each, x local spacing
   double typical_noise_ = 0.0;
   std::vector<Shape> shape_;  // of each sample
   // Of each sample: entry s is the step from size s to the next smaller one, or to the sample.
@@ -376,11 +402,13 @@ DenoisingReport denoise(PointCloud& cloud, double noise, int neighbours,
   next.position.resize(places.size());
   next.input_index.resize(places.size());
   next.plane.resize(places.size());
+  next.more_noise.resize(cloud.more_noise.size());
   for (Index i = 0; i < cloud.size(); ++i) {
     const Place& place = places[order[i]];
     next.position[i] = place.position;
     next.plane[i] = {place.position.cast<float>(), place.normal};
     next.input_index[i] = cloud.input_index[order[i]];
+    if (!next.more_noise.empty()) next.more_noise[i] = cloud.more_noise[order[i]];
   }
   places = {};
   moved = {};
@@ -396,13 +424,16 @@ void undo_denoising(PointCloud& cloud, const std::vector<Vec3>& points, int neig
                     int plane_neighbours, Progress& progress) {
   std::vector<Index> input_index(cloud.input_index.size());
   std::vector<Vec3f> normal(cloud.normal.size());
+  std::vector<float> more_noise(cloud.more_noise.size());
   for (Index i = 0; i < cloud.size(); ++i) {
     input_index[cloud.index_before[i]] = cloud.input_index[i];
     normal[cloud.index_before[i]] = cloud.normal[i];
+    if (!more_noise.empty()) more_noise[cloud.index_before[i]] = cloud.more_noise[i];
   }
   for (Index i = 0; i < cloud.size(); ++i)
     cloud.position[i] = cloud.frame.to_unit(points[input_index[i]]);
   cloud.input_index = std::move(input_index);
+  cloud.more_noise = std::move(more_noise);
   cloud.index_before.clear();
   cloud.search = VoxelSearch(cloud.position, progress);
   measure_neighbourhoods(cloud, neighbours, progress);

@@ -12,6 +12,9 @@ struct DenoisingOptions {
   /// The initial mesh of cleaner clouds is made of their samples where they are, whose planes tell
   /// the sides of thin blades better, and they are moved after that.
   double before_initial_mesh_from = 0.04;
+  /// They are moved before where more than this part of the samples have more noise than the cloud:
+  /// that gives the initial mesh handles.
+  double before_initial_mesh_part = 0.1;
   /// Radius of the smallest neighbourhood, x local spacing: `first_radius`, and so many times the
   /// noise. 13 samples at a noise of 0.1, 45 at 0.7.
   double first_radius = 1.7, radius_per_noise = 3.0;
@@ -43,12 +46,13 @@ struct DenoisingReport {
 /// denoising (Mihcak, Kozintsev, Ramchandran and Moulin 1999). The last step is that to the sample
 /// itself: where there is little noise it stays, whatever the quadrics make of an edge. Height and
 /// slopes are filtered each on its own. The noise is measured around each sample. Flat parts are
-/// smoothed over hundreds of samples, detail and edges over few.
+/// smoothed over hundreds of samples, detail and edges over few. Where the cloud has more noise
+/// (`more_noise`, if that was measured), it is treated as one that has so much on the whole.
 ///
 /// `noise`: of `estimate_noise`. `neighbours`: per sample, from then on. Pre: `orient_normals` was
 /// called on the cloud. Post: `is_denoised()`; positions, their order, neighbours, spacing, normals
 /// and planes are new, the planes those of the surface; `input_index` tells whose they are. O(N),
-/// about 40 us and 200 bytes a sample; the same for any number of threads. Throws Cancelled, and
+/// about 40 us and 220 bytes a sample; the same for any number of threads. Throws Cancelled, and
 /// the cloud is then as it was.
 DenoisingReport denoise(PointCloud& cloud, double noise, int neighbours,
                         const DenoisingOptions& options, Progress& progress);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "samples/layers.h"
+#include "samples/more_noise.h"
 #include "samples/point_cloud.h"
 
 namespace shrinkwrap {
@@ -29,7 +30,8 @@ struct NoiseEstimate {
   /// A fifth of the samples have more: where scans overlap, for example, or parts are so thin that
   /// quadrics miss them, which counts here.
   double upper_fifth = 0.0;
-  Layers layers;  ///< whose steps count as noise
+  Layers layers;   ///< whose steps count as noise
+  MoreNoise more;  ///< where there is more, once that was measured
 };
 
 /// The deviation of the samples from the surface that they lie on, in local spacings: what the

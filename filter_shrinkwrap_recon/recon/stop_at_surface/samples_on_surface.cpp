@@ -47,12 +47,18 @@ SamplesOnSurface move_onto_surface(const SurfaceMesh& surface, const PointCloud&
     squared_distance[i] = std::pow(distance / cloud.local_spacing[i], 2);
   });
 
-  const double left = noise * (options.left + options.left_per_noise * noise);
   parallel_for_each(samples, kGrain, progress, [&](Index i) {
+    const double around = cloud.noise_at(i, noise);
+    const double left = around * (options.left + options.left_per_noise * around);
     const double mean = mean_around(cloud, i, squared_distance);
     const double moves = mean > left * left ? left * left / mean : 1.0;
     result.position[i] = cloud.position[i] + moves * (result.position[i] - cloud.position[i]);
   });
+  if (!cloud.more_noise.empty())
+    parallel_for_each(samples, kGrain, progress, [&](Index i) {
+      const double more = cloud.noise_at(i, noise) - noise;
+      squared_distance[i] = std::pow(std::max(std::sqrt(squared_distance[i]) - more, 0.0), 2);
+    });
   const auto least_of_upper = [&](Index part) {
     const auto least = squared_distance.end() - (samples + part - 1) / part;
     std::nth_element(squared_distance.begin(), least, squared_distance.end());

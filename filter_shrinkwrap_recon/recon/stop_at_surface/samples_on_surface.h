@@ -9,8 +9,8 @@
 namespace shrinkwrap {
 
 struct SamplesOnSurfaceOptions {
-  /// What denoising leaves of the noise, x the noise: `left`, and so many times the noise more. It
-  /// is found of one kind around a sample, as the samples there were moved by the same others.
+  /// What denoising leaves of the noise around a sample, x that: `left`, and so many times the
+  /// noise more. It is of one kind there, as the samples around were moved by the same others.
   double left = 0.3, left_per_noise = 6.0;
   /// A surface shows what its samples do unless a fifth of them are farther from it than so many
   /// times the noise, and a twentieth than this (x local spacing).
@@ -18,8 +18,10 @@ struct SamplesOnSurfaceOptions {
 };
 
 struct SamplesOnSurface {
-  std::vector<Vec3> position;    ///< one per sample, as the cloud's
-  double upper_fifth = 0.0;      ///< a fifth of the samples were farther away (x local spacing)
+  std::vector<Vec3> position;  ///< one per sample, as the cloud's
+  /// A fifth of the samples were farther away (x local spacing), less what the noise around them
+  /// exceeds that of the cloud by.
+  double upper_fifth = 0.0;
   double upper_twentieth = 0.0;  ///< and a twentieth
 };
 

@@ -1,0 +1,169 @@
+#include "samples/more_noise.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "common/parallel.h"
+#include "samples/neighbourhoods.h"
+#include "samples/quadric_deviation.h"
+
+namespace shrinkwrap {
+namespace {
+
+constexpr Index kGrain = 32;
+constexpr Index kStride = 4;  // of the samples, in Morton order, one is a probe
+// Probes, around each. On which side they are is not asked, as noise turns normals.
+constexpr int kPooled = 24;
+constexpr int kMostRounds = 4;
+constexpr double kFew = 0.2;  // a part of the probes around
+// It is surely noise all around if it is at so many of the probes there.
+constexpr double kMost = 0.75;
+constexpr int kReach = 2;  // x the probes around, beyond such places
+constexpr std::size_t kNearest = 10, kOnPlane = 7;
+constexpr double kLeastSine = 0.25;  // of the way to two others, whose plane it is
+constexpr float kUnknown = -1.0f;
+
+// How far, in local spacings, a sample and some of the nearest are from a plane, that which is
+// nearest to them: all planes through the sample and two of the others are tried.
+float distance_from_plane(const PointCloud& cloud, Index sample) {
+  std::vector<VoxelSearch::Hit> nearest;
+  cloud.search.k_nearest(cloud.position[sample], kNearest, nearest);
+  const std::size_t count = nearest.size();
+  if (count < kOnPlane) return kUnknown;
+  const double scale = 1.0 / cloud.local_spacing[sample];
+  std::array<Vec3f, kNearest> offset;
+  for (std::size_t n = 0; n < count; ++n)
+    offset[n] = (scale * (cloud.position[nearest[n].index] - cloud.position[sample])).cast<float>();
+  float least = kUnknown;
+  for (std::size_t a = 0; a < count; ++a)
+    for (std::size_t b = a + 1; b < count; ++b) {
+      const Vec3f across = offset[a].cross(offset[b]);
+      const float sine = across.norm();
+      if (!(sine > kLeastSine * offset[a].norm() * offset[b].norm())) continue;
+      std::array<float, kNearest> height;
+      for (std::size_t n = 0; n < count; ++n) height[n] = std::abs(across.dot(offset[n])) / sine;
+      const auto last = height.begin() + (kOnPlane - 1);
+      std::nth_element(height.begin(), last, height.begin() + static_cast<std::ptrdiff_t>(count));
+      if (least == kUnknown || *last < least) least = *last;
+    }
+  return least;
+}
+
+class NoiseField {
+ public:
+  NoiseField(const PointCloud& cloud, double from, double least_roughness, Progress& progress)
+      : cloud_(cloud),
+        least_roughness_(least_roughness),
+        place_(static_cast<std::size_t>((cloud.size() + kStride - 1) / kStride)) {
+    for (Index n = 0; n < size(); ++n) place_[n] = cloud.position[n * kStride];
+    search_ = VoxelSearch(place_, progress);
+    around_ = find_neighbourhoods(place_, search_, kPooled, progress);
+    measure_noise(progress);
+    for (float& noise : noise_)
+      if (!(noise > from)) noise = 0.0f;
+    keep_what_is_sure(progress);
+  }
+
+  // Zero where there is no more than in the cloud.
+  float at(Index sample) const { return noise_[search_.nearest(cloud_.position[sample]).index]; }
+
+ private:
+  Index size() const { return static_cast<Index>(place_.size()); }
+  Index around(Index probe, int entry) const {
+    return around_.neighbour[static_cast<std::size_t>(probe) * around_.k + entry];
+  }
+
+  void measure_noise(Progress& progress) {
+    std::vector<QuadricDeviation> deviation(place_.size());
+    std::vector<int> neighbours(place_.size(), 0);
+    std::vector<int> asked(place_.size(),
+                           std::max(cloud_.neighbour_count, QuadricDeviation::kLeastNeighbours));
+    noise_.assign(place_.size(), 0.0f);
+    // Rounds of wider neighbourhoods, where there is noise that asks for them.
+    for (int round = 0; round <= kMostRounds && asked != neighbours; ++round) {
+      parallel_for_each(size(), kGrain, progress, [&](Index n) {
+        if (asked[n] != neighbours[n])
+          deviation[n] = quadric_deviation(cloud_, n * kStride, asked[n]);
+      });
+      neighbours = asked;
+      parallel_for_each(size(), kGrain, progress, [&](Index n) {
+        SortedDeviations sorted;
+        for (int entry = 0; entry < around_.k; ++entry) sorted.add(deviation[around(n, entry)]);
+        sorted.sort();
+        const double variance = variance_of_noise(sorted.at(0.5), neighbours[n]);
+        const double noise = std::sqrt(variance);
+        noise_[n] = static_cast<float>(noise);
+        asked[n] = std::max(asked[n], neighbours_for_noise(variance));
+      });
+    }
+  }
+
+  // Forgets the noise that may be fine detail.
+  void keep_what_is_sure(Progress& progress) {
+    std::vector<float> distance(place_.size());
+    parallel_for_each(size(), kGrain, progress,
+                      [&](Index n) { distance[n] = distance_from_plane(cloud_, n * kStride); });
+    std::vector<char> is_sure(place_.size()), is_near(place_.size());
+    parallel_for_each(size(), kGrain, progress,
+                      [&](Index n) { is_sure[n] = is_rough(n, distance); });
+    parallel_for_each(size(), kGrain, progress, [&](Index n) {
+      int sure = 0;
+      for (int entry = 0; entry < around_.k; ++entry) sure += is_sure[around(n, entry)];
+      is_near[n] = sure >= kMost * around_.k;
+    });
+    for (int round = 0; round < kReach; ++round) {
+      is_sure = is_near;
+      parallel_for_each(size(), kGrain, progress, [&](Index n) {
+        for (int entry = 0; entry < around_.k; ++entry)
+          is_near[n] = is_near[n] || is_sure[around(n, entry)];
+      });
+    }
+    for (Index n = 0; n < size(); ++n)
+      if (!is_near[n]) noise_[n] = 0.0f;
+  }
+
+  bool is_rough(Index probe, const std::vector<float>& distance) const {
+    if (noise_[probe] == 0.0f) return false;
+    std::vector<float> known;
+    for (int entry = 0; entry < around_.k; ++entry)
+      if (distance[around(probe, entry)] != kUnknown)
+        known.push_back(distance[around(probe, entry)]);
+    if (known.empty()) return false;
+    const auto few = known.begin() + static_cast<std::ptrdiff_t>(kFew * known.size());
+    std::nth_element(known.begin(), few, known.end());
+    return *few >= least_roughness_ * noise_[probe];
+  }
+
+  const PointCloud& cloud_;
+  double least_roughness_;
+  std::vector<Vec3> place_;  // of each probe
+  VoxelSearch search_;
+  Neighbourhoods around_;
+  std::vector<float> noise_;  // x local spacing
+};
+
+}  // namespace
+
+MoreNoise measure_more_noise(PointCloud& cloud, double noise, const MoreNoiseOptions& options,
+                             Progress& progress) {
+  const NoiseField field(cloud, std::max(options.times * noise, options.from),
+                         options.least_roughness, progress);
+  std::vector<float> around(cloud.position.size());
+  parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) { around[i] = field.at(i); });
+  cloud.more_noise = std::move(around);
+  std::vector<float> more;
+  for (const float n : cloud.more_noise)
+    if (n > 0.0f) more.push_back(n);
+  if (more.empty()) return {};
+  const auto median = more.begin() + static_cast<std::ptrdiff_t>(more.size() / 2);
+  std::nth_element(more.begin(), median, more.end());
+  const Index samples = static_cast<Index>(more.size());
+  return {samples, static_cast<double>(samples) / cloud.size(), *median};
+}
+
+}  // namespace shrinkwrap
