@@ -203,6 +203,25 @@ TEST(MoreNoise, IsSmoothedAndTheRestStays) {
   EXPECT_LT(folded / static_cast<double>(result.mesh.triangles.size()), 0.002);
 }
 
+// Those samples stay where they are beside which clean ones do, if what these show counts there.
+TEST(MoreNoise, IsSmoothedBesideWhatIsClean) {
+  const std::vector<Vec3> points = noisy_in_part(ShapeKind::sphere, 8000, 0.5);
+  PointCloud cloud = oriented_cloud(points);
+  measure(cloud);
+  const double spacing = cloud.frame.to_input_length(cloud.spacing);
+  Progress silent;
+  denoise(cloud, 0.0, 16, {}, silent);
+  double sum = 0.0, count = 0.0;
+  for (Index i = 0; i < cloud.size(); ++i) {
+    const Vec3 p = place(cloud, i);
+    if (!is_noisy(p) || p.x() > kNoisyFrom + 0.2) continue;
+    sum += std::pow((p.norm() - 1.0) / spacing, 2);
+    count += 1.0;
+  }
+  EXPECT_GT(count, 400.0);
+  EXPECT_LT(std::sqrt(sum / count), 0.25) << "of a noise of 0.5";
+}
+
 TEST(MoreNoise, FollowsTheSamplesThroughDenoisingAndBack) {
   const std::vector<Vec3> points = noisy_in_part(ShapeKind::blob, 4000, 0.5);
   PointCloud cloud = oriented_cloud(points);

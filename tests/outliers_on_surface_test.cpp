@@ -57,6 +57,24 @@ TEST(OutliersOnSurface, SamplesAloneInAFaceBecomeVertices) {
   for (Index i = 0; i < kAloneCount; ++i) EXPECT_EQ(with.mesh.position[i], points[i]);
 }
 
+TEST(OutliersOnSurface, TheNoiseAroundSamplesStaysTheirs) {
+  const std::vector<Vec3> points = cube_with_gaps(kAlone);
+  Cleaned c = cleaned_and_oriented(points);
+  for (const Index i : c.cloud.input_index) c.cloud.more_noise.push_back(static_cast<float>(i));
+  Progress silent;
+  ASSERT_EQ(keep_outliers_on_surface(c.cloud, c.report, points, cube_surface(c.cloud.frame),
+                                     OutlierOptions(), silent),
+            kAloneCount);
+  ASSERT_EQ(c.cloud.more_noise.size(), points.size());
+  for (Index i = 0; i < c.cloud.size(); ++i) {
+    const Index point = c.cloud.input_index[i];
+    if (point < kAloneCount)
+      EXPECT_GE(c.cloud.more_noise[i], static_cast<float>(kAloneCount)) << "of one around it";
+    else
+      EXPECT_EQ(c.cloud.more_noise[i], static_cast<float>(point));
+  }
+}
+
 TEST(OutliersOnSurface, StrayPointsOverAFaceOrInAnOpeningStayOutliers) {
   std::vector<Vec3> points = cube_with_gaps(kAlone);
   const double height = 3.6 * kCell;

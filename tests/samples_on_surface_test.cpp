@@ -87,6 +87,15 @@ TEST(SamplesOnSurface, AllMoveOntoASurfaceThatNoiseExplains) {
   for (const double distance : fitted.distances(samples.position)) EXPECT_LT(distance, 1e-5);
 }
 
+TEST(SamplesOnSurface, SamplesInNoisyPartsMoveByTheNoiseThere) {
+  Fitted fitted(sample_noisy_shape(ShapeKind::sphere, 400, 1, 0.25), 0.25);
+  const double farther = fitted.move(0.0).upper_fifth;
+  fitted.cloud.more_noise.assign(fitted.cloud.position.size(), 0.25f);
+  const SamplesOnSurface samples = fitted.move(0.0);
+  EXPECT_LT(samples.upper_fifth, farther);
+  for (const double distance : fitted.distances(samples.position)) EXPECT_LT(distance, 1e-5);
+}
+
 // A smooth surface rounds the edges of a cube. There the samples tell of more.
 TEST(SamplesOnSurface, SamplesStayWhereTheSurfaceMissesDetail) {
   const Fitted fitted(cube(12, 1, 0.1), 0.06);
