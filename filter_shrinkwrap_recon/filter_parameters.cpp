@@ -123,8 +123,9 @@ Parameter smooth_for_noise() {
       "as they are noisy, and fit the surface to these, as the whole method does where it stops at "
       "the parametric surface, and where its log says so. Choose the same in the filters "
       "Initial Mesh, Parametric Surface and Complete Matching (to stop at the surface of points "
-      "with noise of less than 0.04 of their spacing, no tenth of which has more, the whole method "
-      "leaves out the first).");
+      "with noise of less than 0.04 of their spacing, of which the log tells more around a tenth "
+      "at "
+      "most, the whole method leaves out the first).");
 }
 
 Parameter backs_are_openings() {

@@ -89,10 +89,13 @@ TEST(SamplesOnSurface, AllMoveOntoASurfaceThatNoiseExplains) {
 
 TEST(SamplesOnSurface, SamplesInNoisyPartsMoveByTheNoiseThere) {
   Fitted fitted(sample_noisy_shape(ShapeKind::sphere, 400, 1, 0.25), 0.25);
-  const double farther = fitted.move(0.0).upper_fifth;
+  const SamplesOnSurface clean = fitted.move(0.0);
   fitted.cloud.more_noise.assign(fitted.cloud.position.size(), 0.25f);
   const SamplesOnSurface samples = fitted.move(0.0);
-  EXPECT_LT(samples.upper_fifth, farther);
+  EXPECT_EQ(samples.upper_fifth, clean.upper_fifth);
+  EXPECT_EQ(clean.fifth_beyond_noise, clean.upper_fifth);
+  EXPECT_FALSE(shows_its_samples(clean, 0.0, {}));
+  EXPECT_TRUE(shows_its_samples(samples, 0.0, {}));
   for (const double distance : fitted.distances(samples.position)) EXPECT_LT(distance, 1e-5);
 }
 

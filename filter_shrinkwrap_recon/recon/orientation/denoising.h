@@ -47,7 +47,7 @@ struct DenoisingReport {
 /// itself: where there is little noise it stays, whatever the quadrics make of an edge. Height and
 /// slopes are filtered each on its own. The noise is measured around each sample. Flat parts are
 /// smoothed over hundreds of samples, detail and edges over few. Where the cloud has more noise
-/// (`more_noise`, if that was measured), it is treated as one that has so much on the whole.
+/// (`more_noise`, if that was measured), neighbourhoods are as large as in one that has so much.
 ///
 /// `noise`: of `estimate_noise`. `neighbours`: per sample, from then on. Pre: `orient_normals` was
 /// called on the cloud. Post: `is_denoised()`; positions, their order, neighbours, spacing, normals

@@ -311,10 +311,11 @@ ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud&
 
 double part_of_samples_far(const SurfaceMesh& surface, const PointCloud& cloud, double noise,
                            Progress& progress) {
-  const double of_noise = cloud.is_denoised() ? 0.0 : kMostDeviations * noise;
-  return part_out_of_reach(
-      surface, cloud,
-      [&](Index i) { return cloud.local_spacing[i] + of_noise * cloud.spacing_at(i); }, progress);
+  const double deviations = cloud.is_denoised() ? 0.0 : kMostDeviations;
+  const auto reach = [&](Index i) {
+    return cloud.local_spacing[i] + deviations * cloud.noise_at(i, noise) * cloud.spacing_at(i);
+  };
+  return part_out_of_reach(surface, cloud, reach, progress);
 }
 
 std::vector<char> mark_membranes(const SurfaceMesh& surface, const PointCloud& cloud,

@@ -57,8 +57,8 @@ ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud&
                                           Progress& progress);
 
 /// Part of the samples that are farther from the surface than they are from each other there, by
-/// more than `noise` (x spacing) explains; a denoised cloud has none. Some, 20,000 or more, stand
-/// for all.
+/// more than `noise` (x spacing; of the cloud) explains; a denoised cloud has none. Some, 20,000 or
+/// more, stand for all.
 double part_of_samples_far(const SurfaceMesh& surface, const PointCloud& cloud, double noise,
                            Progress& progress);
 

@@ -20,7 +20,8 @@ constexpr Index kStride = 4;  // of the samples, in Morton order, one is a probe
 // Probes, around each. On which side they are is not asked, as noise turns normals.
 constexpr int kPooled = 24;
 constexpr int kMostRounds = 4;
-constexpr double kFew = 0.2;  // a part of the probes around
+constexpr double kGreatestNoise = 1.0;  // more is not told by its deviations
+constexpr double kFew = 0.2;            // a part of the probes around
 // It is surely noise all around if it is at so many of the probes there.
 constexpr double kMost = 0.75;
 constexpr int kReach = 2;  // x the probes around, beyond such places
@@ -36,22 +37,22 @@ float distance_from_plane(const PointCloud& cloud, Index sample) {
   const std::size_t count = nearest.size();
   if (count < kOnPlane) return kUnknown;
   const double scale = 1.0 / cloud.local_spacing[sample];
-  std::array<Vec3f, kNearest> offset;
+  std::array<Vec3, kNearest> offset;
   for (std::size_t n = 0; n < count; ++n)
-    offset[n] = (scale * (cloud.position[nearest[n].index] - cloud.position[sample])).cast<float>();
-  float least = kUnknown;
+    offset[n] = scale * (cloud.position[nearest[n].index] - cloud.position[sample]);
+  double least = kUnknown;
   for (std::size_t a = 0; a < count; ++a)
     for (std::size_t b = a + 1; b < count; ++b) {
-      const Vec3f across = offset[a].cross(offset[b]);
-      const float sine = across.norm();
+      const Vec3 across = offset[a].cross(offset[b]);
+      const double sine = across.norm();
       if (!(sine > kLeastSine * offset[a].norm() * offset[b].norm())) continue;
-      std::array<float, kNearest> height;
+      std::array<double, kNearest> height;
       for (std::size_t n = 0; n < count; ++n) height[n] = std::abs(across.dot(offset[n])) / sine;
       const auto last = height.begin() + (kOnPlane - 1);
       std::nth_element(height.begin(), last, height.begin() + static_cast<std::ptrdiff_t>(count));
       if (least == kUnknown || *last < least) least = *last;
     }
-  return least;
+  return static_cast<float>(least);
 }
 
 class NoiseField {
@@ -92,15 +93,29 @@ class NoiseField {
       });
       neighbours = asked;
       parallel_for_each(size(), kGrain, progress, [&](Index n) {
-        SortedDeviations sorted;
-        for (int entry = 0; entry < around_.k; ++entry) sorted.add(deviation[around(n, entry)]);
-        sorted.sort();
-        const double variance = variance_of_noise(sorted.at(0.5), neighbours[n]);
+        const double variance = variance_of_noise(median_around(n, deviation), neighbours[n]);
         const double noise = std::sqrt(variance);
         noise_[n] = static_cast<float>(noise);
         asked[n] = std::max(asked[n], neighbours_for_noise(variance));
       });
     }
+  }
+
+  // Of those probes around one of which both sizes are known, if they are half of them.
+  QuadricDeviation median_around(Index probe,
+                                 const std::vector<QuadricDeviation>& deviation) const {
+    SortedDeviations both, wide;
+    int known = 0;
+    for (int entry = 0; entry < around_.k; ++entry) {
+      const QuadricDeviation& other = deviation[around(probe, entry)];
+      wide.add({QuadricDeviation::kUnknown, other.wide});
+      if (other.narrow == QuadricDeviation::kUnknown) continue;
+      both.add(other);
+      ++known;
+    }
+    SortedDeviations& taken = 2 * known >= around_.k ? both : wide;
+    taken.sort();
+    return taken.at(0.5);
   }
 
   // Forgets the noise that may be fine detail.
@@ -151,9 +166,13 @@ class NoiseField {
 
 MoreNoise measure_more_noise(PointCloud& cloud, double noise, const MoreNoiseOptions& options,
                              Progress& progress) {
-  const NoiseField field(cloud, std::max(options.times * noise, options.from),
-                         options.least_roughness, progress);
-  std::vector<float> around(cloud.position.size());
+  std::vector<float> around(cloud.position.size(), 0.0f);
+  const double from = std::max(options.times * noise, options.from);
+  if (from > kGreatestNoise) {
+    cloud.more_noise = std::move(around);
+    return {};
+  }
+  const NoiseField field(cloud, from, options.least_roughness, progress);
   parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) { around[i] = field.at(i); });
   cloud.more_noise = std::move(around);
   std::vector<float> more;

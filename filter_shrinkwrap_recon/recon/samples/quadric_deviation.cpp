@@ -115,8 +115,9 @@ QuadricDeviation SortedDeviations::at(double part) const {
 
 double variance_of_noise(const QuadricDeviation& median, int neighbours) {
   if (median.wide == QuadricDeviation::kUnknown) return 0.0;
-  if (median.narrow == QuadricDeviation::kUnknown) return median.wide;
   const int fewer = narrower(neighbours);
+  if (median.narrow == QuadricDeviation::kUnknown || fewer < QuadricDeviation::kLeastNeighbours)
+    return median.wide;
   const double growth = std::pow(static_cast<double>(neighbours) / fewer, 3);
   const double narrow = median.narrow * (median_variance(neighbours) / median_variance(fewer));
   return std::clamp((growth * narrow - median.wide) / (growth - 1.0), 0.0, median.wide);

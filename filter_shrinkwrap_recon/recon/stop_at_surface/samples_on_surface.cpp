@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/parallel.h"
 #include "parametric_surface/sample_feet.h"
@@ -54,25 +55,28 @@ SamplesOnSurface move_onto_surface(const SurfaceMesh& surface, const PointCloud&
     const double moves = mean > left * left ? left * left / mean : 1.0;
     result.position[i] = cloud.position[i] + moves * (result.position[i] - cloud.position[i]);
   });
-  if (!cloud.more_noise.empty())
-    parallel_for_each(samples, kGrain, progress, [&](Index i) {
-      const double more = cloud.noise_at(i, noise) - noise;
-      squared_distance[i] = std::pow(std::max(std::sqrt(squared_distance[i]) - more, 0.0), 2);
-    });
   const auto least_of_upper = [&](Index part) {
     const auto least = squared_distance.end() - (samples + part - 1) / part;
     std::nth_element(squared_distance.begin(), least, squared_distance.end());
     return std::sqrt(*least);
   };
+  std::vector<double> beyond = squared_distance;
+  parallel_for_each(samples, kGrain, progress, [&](Index i) {
+    const double more = cloud.noise_at(i, noise) - noise;
+    if (more > 0.0) beyond[i] = std::pow(std::max(std::sqrt(beyond[i]) - more, 0.0), 2);
+  });
   result.upper_fifth = least_of_upper(5);
   result.upper_twentieth = least_of_upper(20);
+  squared_distance = std::move(beyond);
+  result.fifth_beyond_noise = least_of_upper(5);
+  result.twentieth_beyond_noise = least_of_upper(20);
   return result;
 }
 
 bool shows_its_samples(const SamplesOnSurface& samples, double noise,
                        const SamplesOnSurfaceOptions& options) {
-  return samples.upper_fifth <= options.farthest_fifth * noise ||
-         samples.upper_twentieth <= options.farthest_twentieth;
+  return samples.fifth_beyond_noise <= options.farthest_fifth * noise ||
+         samples.twentieth_beyond_noise <= options.farthest_twentieth;
 }
 
 }  // namespace shrinkwrap

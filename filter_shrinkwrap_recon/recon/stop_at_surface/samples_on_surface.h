@@ -13,16 +13,17 @@ struct SamplesOnSurfaceOptions {
   /// noise more. It is of one kind there, as the samples around were moved by the same others.
   double left = 0.3, left_per_noise = 6.0;
   /// A surface shows what its samples do unless a fifth of them are farther from it than so many
-  /// times the noise, and a twentieth than this (x local spacing).
+  /// times the noise, and a twentieth than this (x local spacing), in both cases less what the
+  /// noise around them exceeds that of the cloud by.
   double farthest_fifth = 1.0, farthest_twentieth = 0.06;
 };
 
 struct SamplesOnSurface {
-  std::vector<Vec3> position;  ///< one per sample, as the cloud's
-  /// A fifth of the samples were farther away (x local spacing), less what the noise around them
-  /// exceeds that of the cloud by.
-  double upper_fifth = 0.0;
+  std::vector<Vec3> position;    ///< one per sample, as the cloud's
+  double upper_fifth = 0.0;      ///< a fifth of the samples were farther away (x local spacing)
   double upper_twentieth = 0.0;  ///< and a twentieth
+  /// The same less what the noise around them exceeds that of the cloud by.
+  double fifth_beyond_noise = 0.0, twentieth_beyond_noise = 0.0;
 };
 
 /// Moves the samples of a denoised cloud onto a surface that was fitted to them, along with which
