@@ -161,9 +161,9 @@ TEST(FilterRuns, ChainToTheSurfaceOfACleanCloudGivesTheBytesOfTheOneShot) {
   EXPECT_NE(smoothed.mesh.position, initial.mesh.position);
 }
 
-// A quarter of the cloud is noisy, most is not.
+// A fifth of the samples is noisy, or a twelfth, the others are not.
 TEST(FilterRuns, ChainToTheSurfaceOfAPartlyNoisyCloudGivesTheBytesOfTheOneShot) {
-  for (const double from : {0.4, 0.7}) {  // a fifth of the samples, or a twelfth
+  for (const double from : {0.4, 0.7}) {
     SCOPED_TRACE(from);
     Random random(4);
     FilterInput input;

@@ -176,4 +176,17 @@ TEST(ParametricSurface, IsTheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
+// A sphere two spacings inside its samples: noise of one spacing would explain that.
+TEST(PartOfSamplesFar, IsOfThoseThatTheNoiseAroundThemDoesNotExplain) {
+  PointCloud cloud = oriented_cloud(sample_shape_blue_noise(ShapeKind::sphere, 3000, 1));
+  const double inside = 1.0 - 2.0 * cloud.frame.to_input_length(cloud.spacing);
+  const SurfaceMesh surface = in_frame(placed(icosphere(5), inside, Vec3::Zero()), cloud.frame);
+  Progress silent;
+  EXPECT_EQ(part_of_samples_far(surface, cloud, 0.0, silent), 1.0);
+  EXPECT_EQ(part_of_samples_far(surface, cloud, 1.0, silent), 0.0);
+  cloud.more_noise.resize(cloud.position.size());
+  for (std::size_t i = 0; i < cloud.more_noise.size(); i += 3) cloud.more_noise[i] = 1.0f;
+  EXPECT_NEAR(part_of_samples_far(surface, cloud, 0.0, silent), 2.0 / 3.0, 1e-3);
+}
+
 }  // namespace shrinkwrap::testing

@@ -19,7 +19,6 @@ constexpr Index kGrain = 32;
 constexpr Index kStride = 4;  // of the samples, in Morton order, one is a probe
 // Probes, around each. On which side they are is not asked, as noise turns normals.
 constexpr int kPooled = 24;
-constexpr int kMostRounds = 4;
 constexpr double kGreatestNoise = 1.0;  // more is not told by its deviations
 constexpr double kFew = 0.2;            // a part of the probes around
 // It is surely noise all around if it is at so many of the probes there.
@@ -86,7 +85,7 @@ class NoiseField {
                            std::max(cloud_.neighbour_count, QuadricDeviation::kLeastNeighbours));
     noise_.assign(place_.size(), 0.0f);
     // Rounds of wider neighbourhoods, where there is noise that asks for them.
-    for (int round = 0; round <= kMostRounds && asked != neighbours; ++round) {
+    for (int round = 0; round <= QuadricDeviation::kMostRounds && asked != neighbours; ++round) {
       parallel_for_each(size(), kGrain, progress, [&](Index n) {
         if (asked[n] != neighbours[n])
           deviation[n] = quadric_deviation(cloud_, n * kStride, asked[n]);

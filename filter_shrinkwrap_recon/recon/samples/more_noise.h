@@ -23,11 +23,10 @@ struct MoreNoise {
 
 /// Fills in `cloud.more_noise`, for clouds that are noisy in part, as where a scanner looked along
 /// the surface. The noise around a sample is told as by `estimate_noise` (`noise`: its median), by
-/// the 24 nearest of every fourth sample. It is kept near places,
-/// up to some 10 spacings away, where it is surely noise, and no fine detail, all around. Pre:
-/// `orient_normals` was called on the cloud. O(N), about 1 to 4 us a
-/// sample with two threads; the same for any
-/// number of threads. Throws Cancelled.
+/// the 24 nearest of every fourth sample. It is kept near places, up to some 10 spacings away,
+/// where it is surely noise, and no fine detail, all around. Pre: `orient_normals` was called on
+/// the cloud. O(N), about 1 to 4 us a sample with two threads; the same for any number of threads.
+/// Throws Cancelled.
 MoreNoise measure_more_noise(PointCloud& cloud, double noise, const MoreNoiseOptions& options,
                              Progress& progress);
 

@@ -11,7 +11,6 @@ namespace {
 
 constexpr Index kGrain = 32;
 constexpr Index kSamplesPerProbe = 4;  // of small clouds
-constexpr int kMostRounds = 4;
 
 NoiseEstimate estimate_with(const PointCloud& cloud, Index stride, int neighbours,
                             Progress& progress) {
@@ -37,7 +36,7 @@ NoiseEstimate estimate_noise(const PointCloud& cloud, const NoiseOptions& option
   const Index stride = std::max<Index>(cloud.size() / probes, 1);
   int neighbours = std::max(cloud.neighbour_count, QuadricDeviation::kLeastNeighbours);
   NoiseEstimate noise = estimate_with(cloud, stride, neighbours, progress);
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < QuadricDeviation::kMostRounds; ++round) {
     const int wider = neighbours_for_noise(noise.median * noise.median);
     if (wider <= neighbours) break;
     neighbours = wider;

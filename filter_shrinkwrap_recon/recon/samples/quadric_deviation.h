@@ -15,6 +15,8 @@ struct QuadricDeviation {
   static constexpr double kUnknown = -1.0;
   /// Fewer neighbours tell nothing; fewer than 14 have no `narrow`.
   static constexpr int kLeastNeighbours = 9;
+  /// Of ever more neighbours, as the noise asks for (neighbours_for_noise).
+  static constexpr int kMostRounds = 4;
 
   double narrow = kUnknown, wide = kUnknown;
 };

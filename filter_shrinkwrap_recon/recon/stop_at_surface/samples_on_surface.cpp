@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "common/parallel.h"
 #include "parametric_surface/sample_feet.h"
@@ -55,21 +54,21 @@ SamplesOnSurface move_onto_surface(const SurfaceMesh& surface, const PointCloud&
     const double moves = mean > left * left ? left * left / mean : 1.0;
     result.position[i] = cloud.position[i] + moves * (result.position[i] - cloud.position[i]);
   });
-  const auto least_of_upper = [&](Index part) {
-    const auto least = squared_distance.end() - (samples + part - 1) / part;
-    std::nth_element(squared_distance.begin(), least, squared_distance.end());
-    return std::sqrt(*least);
-  };
-  std::vector<double> beyond = squared_distance;
+  std::vector<double> beyond_noise = squared_distance;
   parallel_for_each(samples, kGrain, progress, [&](Index i) {
     const double more = cloud.noise_at(i, noise) - noise;
-    if (more > 0.0) beyond[i] = std::pow(std::max(std::sqrt(beyond[i]) - more, 0.0), 2);
+    double& squared = beyond_noise[i];
+    if (more > 0.0) squared = std::pow(std::max(std::sqrt(squared) - more, 0.0), 2);
   });
-  result.upper_fifth = least_of_upper(5);
-  result.upper_twentieth = least_of_upper(20);
-  squared_distance = std::move(beyond);
-  result.fifth_beyond_noise = least_of_upper(5);
-  result.twentieth_beyond_noise = least_of_upper(20);
+  const auto least_of_upper = [&](Index part, std::vector<double>& squared) {
+    const auto least = squared.end() - (samples + part - 1) / part;
+    std::nth_element(squared.begin(), least, squared.end());
+    return std::sqrt(*least);
+  };
+  result.upper_fifth = least_of_upper(5, squared_distance);
+  result.upper_twentieth = least_of_upper(20, squared_distance);
+  result.fifth_beyond_noise = least_of_upper(5, beyond_noise);
+  result.twentieth_beyond_noise = least_of_upper(20, beyond_noise);
   return result;
 }
 
