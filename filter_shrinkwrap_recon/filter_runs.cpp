@@ -233,7 +233,7 @@ FilterOutcome run_parametric_surface(const FilterRequest& request, const FilterI
   FittedSurface fitted =
       fit_surface(closed_surface(input.mesh, cloud.frame), cloud, options, progress);
   finish_surface(fitted, cloud, options, progress);
-  outcome.mesh = stop_at(fitted, cloud, input.points, samples.noise.median, options, progress);
+  outcome.mesh = stop_at(fitted, cloud, input.points, samples.noise.of_others(), options, progress);
   tell_of(fitted.detail, outcome);
   RelaxationReport& relaxation = fitted.relaxation;
   const ParametricSurface& surface = fitted.surface;

@@ -20,20 +20,22 @@ namespace {
 using namespace shrinkwrap;
 using namespace shrinkwrap::testing;
 
-constexpr double kNoisyFrom = 0.3;  // along x
+// Along x: a third of the unit sphere, and two thirds.
+constexpr double kNoisyFrom = 0.3, kMostlyNoisyFrom = -0.3;
 
-bool is_noisy(const Vec3& p) {
-  return p.x() > kNoisyFrom;
+bool is_noisy(const Vec3& p, double from = kNoisyFrom) {
+  return p.x() > from;
 }
 
-// Noise of `of_cloud` spacings, and of `there` where x is large.
-std::vector<Vec3> noisy_in_part(ShapeKind kind, Index count, double there, double of_cloud = 0.0) {
+// Noise of `of_cloud` spacings, and of `there` where x is more than `from`.
+std::vector<Vec3> noisy_in_part(ShapeKind kind, Index count, double there, double of_cloud = 0.0,
+                                double from = kNoisyFrom) {
   std::vector<Vec3> points = sample_shape(kind, count, 7);
   const PointCloud clean = prepared_cloud(points);
   const double spacing = clean.frame.to_input_length(clean.spacing);
   Random random(8);
   for (Vec3& p : points) {
-    const double noise = (is_noisy(p) ? there : of_cloud) * spacing;
+    const double noise = (is_noisy(p, from) ? there : of_cloud) * spacing;
     for (int axis = 0; axis < 3; ++axis) p[axis] += noise * random.gaussian();
   }
   return points;
@@ -68,6 +70,38 @@ TEST(MoreNoise, IsFoundWhereItIs) {
                                             [](float n) { return n > 0.0f; }));
       EXPECT_DOUBLE_EQ(more.part, more.samples / 8000.0);
     }
+}
+
+// The noise of the cloud is then none of either part.
+TEST(MoreNoise, IsFoundWhereMostOfTheCloudHasIt) {
+  for (const ShapeKind kind : {ShapeKind::sphere, ShapeKind::torus})
+    for (const double there : {0.2, 0.4, 0.8}) {
+      SCOPED_TRACE(shape_of(kind).name + " " + std::to_string(there));
+      const std::vector<Vec3> points = noisy_in_part(kind, 8000, there, 0.0, kMostlyNoisyFrom);
+      const auto noisy = std::count_if(points.begin(), points.end(),
+                                       [](const Vec3& p) { return is_noisy(p, kMostlyNoisyFrom); });
+      PointCloud cloud = oriented_cloud(points);
+      MoreNoiseOptions careless;
+      careless.calm_times = 0.0;
+      EXPECT_LT(measure(cloud, careless).part, 0.5);
+      const MoreNoise more = measure(cloud);
+      EXPECT_NEAR(more.part, noisy / 8000.0, 0.05);
+      EXPECT_NEAR(more.median, 0.95 * there, 0.2 * there);
+      EXPECT_LT(more.others, 0.03);
+      Progress silent;
+      NoiseEstimate noise = estimate_noise(cloud, {}, silent);
+      EXPECT_EQ(noise.of_others(), noise.median);
+      noise.more = more;
+      EXPECT_EQ(noise.of_others(), more.others);
+    }
+}
+
+TEST(MoreNoise, TheNoiseOfTheOthersIsTheCloudsUnlessItHasCalmParts) {
+  Progress silent;
+  PointCloud cloud = oriented_cloud(noisy_in_part(ShapeKind::sphere, 8000, 0.4, 0.1));
+  const double noise = estimate_noise(cloud, {}, silent).median;
+  EXPECT_GT(noise, 0.08);
+  EXPECT_EQ(measure(cloud).others, noise);
 }
 
 TEST(MoreNoise, ThereIsNoneWhereAllIsAlike) {
@@ -170,27 +204,27 @@ struct Distances {
   double noisy = 0.0, clean = 0.0;
 };
 
-Distances distances_of(const std::vector<Vec3>& positions, double spacing) {
+Distances distances_of(const std::vector<Vec3>& positions, double spacing, double from) {
   Distances sum, count;
   for (const Vec3& p : positions) {
-    if (std::abs(p.x() - kNoisyFrom) < 0.1) continue;
+    if (std::abs(p.x() - from) < 0.1) continue;
     const double squared = std::pow((p.norm() - 1.0) / spacing, 2);
-    (is_noisy(p) ? sum.noisy : sum.clean) += squared;
-    (is_noisy(p) ? count.noisy : count.clean) += 1.0;
+    (is_noisy(p, from) ? sum.noisy : sum.clean) += squared;
+    (is_noisy(p, from) ? count.noisy : count.clean) += 1.0;
   }
   return {std::sqrt(sum.noisy / count.noisy), std::sqrt(sum.clean / count.clean)};
 }
 
-TEST(MoreNoise, IsSmoothedAndTheRestStays) {
-  const std::vector<Vec3> points = noisy_in_part(ShapeKind::sphere, 8000, 0.5);
+void expect_smooth_where_noisy(double from, double noisy_part) {
+  const std::vector<Vec3> points = noisy_in_part(ShapeKind::sphere, 8000, 0.5, 0.0, from);
   const PointCloud raw = prepared_cloud(points);
   const double spacing = raw.frame.to_input_length(raw.spacing);
   ReconstructionOptions options;
   options.stop_at_parametric_surface = true;
   Progress silent;
   const Reconstruction result = reconstruct(points, options, silent);
-  EXPECT_NEAR(result.noise.more.part, 0.35, 0.03);
-  const Distances of_surface = distances_of(result.mesh.position, spacing);
+  EXPECT_NEAR(result.noise.more.part, noisy_part, 0.03);
+  const Distances of_surface = distances_of(result.mesh.position, spacing, from);
   EXPECT_LT(of_surface.noisy, 0.13) << "of a noise of 0.5";
   EXPECT_LT(of_surface.clean, 0.02);
   double folded = 0.0;
@@ -200,6 +234,14 @@ TEST(MoreNoise, IsSmoothedAndTheRestStays) {
     folded += (b - a).cross(c - a).normalized().dot((a + b + c).normalized()) < 0.8;
   }
   EXPECT_LT(folded / static_cast<double>(result.mesh.triangles.size()), 0.002);
+}
+
+TEST(MoreNoise, IsSmoothedAndTheRestStays) {
+  expect_smooth_where_noisy(kNoisyFrom, 0.35);
+}
+
+TEST(MoreNoise, OfMostOfTheCloudIsSmoothedAndTheRestStays) {
+  expect_smooth_where_noisy(kMostlyNoisyFrom, 0.65);
 }
 
 // Those samples stay where they are beside which clean ones do, if what these show counts there.

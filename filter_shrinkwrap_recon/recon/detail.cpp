@@ -20,7 +20,7 @@ void keep_detail(const SurfaceMesh& initial, const PointCloud& cloud,
                  Reconstruction& result, StageLog& log, Progress& progress) {
   DetailReport& detail = result.detail;
   const auto part_far = [&](const FittedSurface& of) {
-    return part_of_samples_far(of.surface.mesh, cloud, result.noise.median, progress);
+    return part_of_samples_far(of.surface.mesh, cloud, result.noise.of_others(), progress);
   };
   const auto try_finer = [&](Index vertices) {
     const ControlMeshReport& coarse = result.control_mesh;

@@ -35,7 +35,7 @@ DenoisingReport smooth_for_noise(PointCloud& cloud, const NoiseEstimate& noise,
   }
   progress.set_part(0.45, 1.0);
   const DenoisingReport report =
-      denoise(cloud, noise.median, neighbours, options.denoising, progress);
+      denoise(cloud, noise.of_others(), neighbours, options.denoising, progress);
   options.initial_mesh.voxel_size *= 1.0 + kLargerVoxels * units;
   if (is_noisy) options.initial_mesh.voxel_ratio_for_detail = 0.0;
   const double part = std::min(units, 1.0);

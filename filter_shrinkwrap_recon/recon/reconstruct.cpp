@@ -48,7 +48,7 @@ FittedSurface make_surface(PointCloud& cloud, const ReconstructionOptions& optio
   if (may_denoise(options, result.noise.median) && !cloud.is_denoised()) {
     progress.begin(Stage::parametric_surface);
     progress.set_part(0.0, 0.4);
-    result.denoising = denoise(cloud, result.noise.median, options.samples.neighbours,
+    result.denoising = denoise(cloud, result.noise.of_others(), options.samples.neighbours,
                                options.denoising, progress);
   }
   FittedSurface fitted = fit_surface(std::move(control.mesh), cloud, options, progress);
@@ -203,7 +203,7 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   } else {
     FittedSurface fitted = make_surface(cloud, options, result, log, progress);
     if (options.stop_at_parametric_surface) {
-      result.mesh = stop_at(fitted, cloud, points, result.noise.median, options, progress);
+      result.mesh = stop_at(fitted, cloud, points, result.noise.of_others(), options, progress);
       log.go_on(static_cast<Index>(result.mesh.position.size()));
       result.relaxation = std::move(fitted.relaxation);
       result.openings = fitted.openings;

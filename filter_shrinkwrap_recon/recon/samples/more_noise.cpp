@@ -54,23 +54,40 @@ float distance_from_plane(const PointCloud& cloud, Index sample) {
   return static_cast<float>(least);
 }
 
+float quantile_of(std::vector<float> values, double part) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(part * values.size());
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
 class NoiseField {
  public:
-  NoiseField(const PointCloud& cloud, double from, double least_roughness, Progress& progress)
-      : cloud_(cloud),
-        least_roughness_(least_roughness),
-        place_(static_cast<std::size_t>((cloud.size() + kStride - 1) / kStride)) {
+  NoiseField(const PointCloud& cloud, Progress& progress)
+      : cloud_(cloud), place_(static_cast<std::size_t>((cloud.size() + kStride - 1) / kStride)) {
     for (Index n = 0; n < size(); ++n) place_[n] = cloud.position[n * kStride];
     search_ = VoxelSearch(place_, progress);
     around_ = find_neighbourhoods(place_, search_, kPooled, progress);
     measure_noise(progress);
-    for (float& noise : noise_)
-      if (!(noise > from)) noise = 0.0f;
-    keep_what_is_sure(progress);
   }
 
-  // Zero where there is no more than in the cloud.
-  float at(Index sample) const { return noise_[search_.nearest(cloud_.position[sample]).index]; }
+  // Around each sample, that of the nearest probe.
+  std::vector<float> at_samples(Progress& progress) const {
+    std::vector<float> noise(cloud_.position.size());
+    parallel_for_each(cloud_.size(), kGrain, progress, [&](Index i) {
+      noise[i] = noise_[search_.nearest(cloud_.position[i]).index];
+    });
+    return noise;
+  }
+
+  // A part of the probes has less.
+  float quantile(double part) const { return quantile_of(noise_, part); }
+
+  // Sets all that is not more than `from`, or may be fine detail, to zero.
+  void keep_more_than(double from, double least_roughness, Progress& progress) {
+    for (float& noise : noise_)
+      if (!(noise > from)) noise = 0.0f;
+    keep_what_is_sure(least_roughness, progress);
+  }
 
  private:
   Index size() const { return static_cast<Index>(place_.size()); }
@@ -117,14 +134,13 @@ class NoiseField {
     return taken.at(0.5);
   }
 
-  // Forgets the noise that may be fine detail.
-  void keep_what_is_sure(Progress& progress) {
+  void keep_what_is_sure(double least_roughness, Progress& progress) {
     std::vector<float> distance(place_.size());
     parallel_for_each(size(), kGrain, progress,
                       [&](Index n) { distance[n] = distance_from_plane(cloud_, n * kStride); });
     std::vector<char> is_sure(place_.size()), is_near(place_.size());
     parallel_for_each(size(), kGrain, progress,
-                      [&](Index n) { is_sure[n] = is_rough(n, distance); });
+                      [&](Index n) { is_sure[n] = is_rough(n, distance, least_roughness); });
     parallel_for_each(size(), kGrain, progress, [&](Index n) {
       int sure = 0;
       for (int entry = 0; entry < around_.k; ++entry) sure += is_sure[around(n, entry)];
@@ -141,20 +157,16 @@ class NoiseField {
       if (!is_near[n]) noise_[n] = 0.0f;
   }
 
-  bool is_rough(Index probe, const std::vector<float>& distance) const {
+  bool is_rough(Index probe, const std::vector<float>& distance, double least_roughness) const {
     if (noise_[probe] == 0.0f) return false;
     std::vector<float> known;
     for (int entry = 0; entry < around_.k; ++entry)
       if (distance[around(probe, entry)] != kUnknown)
         known.push_back(distance[around(probe, entry)]);
-    if (known.empty()) return false;
-    const auto few = known.begin() + static_cast<std::ptrdiff_t>(kFew * known.size());
-    std::nth_element(known.begin(), few, known.end());
-    return *few >= least_roughness_ * noise_[probe];
+    return !known.empty() && quantile_of(std::move(known), kFew) >= least_roughness * noise_[probe];
   }
 
   const PointCloud& cloud_;
-  double least_roughness_;
   std::vector<Vec3> place_;  // of each probe
   VoxelSearch search_;
   Neighbourhoods around_;
@@ -165,23 +177,30 @@ class NoiseField {
 
 MoreNoise measure_more_noise(PointCloud& cloud, double noise, const MoreNoiseOptions& options,
                              Progress& progress) {
-  std::vector<float> around(cloud.position.size(), 0.0f);
-  const double from = std::max(options.times * noise, options.from);
-  if (from > kGreatestNoise) {
-    cloud.more_noise = std::move(around);
-    return {};
-  }
-  const NoiseField field(cloud, from, options.least_roughness, progress);
-  parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) { around[i] = field.at(i); });
-  cloud.more_noise = std::move(around);
-  std::vector<float> more;
-  for (const float n : cloud.more_noise)
-    if (n > 0.0f) more.push_back(n);
-  if (more.empty()) return {};
-  const auto median = more.begin() + static_cast<std::ptrdiff_t>(more.size() / 2);
-  std::nth_element(more.begin(), median, more.end());
-  const Index samples = static_cast<Index>(more.size());
-  return {samples, static_cast<double>(samples) / cloud.size(), *median};
+  MoreNoise result;
+  result.others = noise;
+  cloud.more_noise.assign(cloud.position.size(), 0.0f);
+  if (std::max(options.times * noise, options.from) > kGreatestNoise) return result;
+  NoiseField field(cloud, progress);
+  const double half = field.quantile(0.5), calm = field.quantile(options.calm_part);
+  const bool has_calm_part =
+      half > options.from && calm < options.calm_times * std::min(half, noise);
+  const std::vector<float> all = has_calm_part ? field.at_samples(progress) : std::vector<float>();
+  field.keep_more_than(std::max(options.times * (has_calm_part ? calm : noise), options.from),
+                       options.least_roughness, progress);
+  cloud.more_noise = field.at_samples(progress);
+  std::vector<float> more, others;
+  for (Index i = 0; i < cloud.size(); ++i)
+    if (cloud.more_noise[i] > 0.0f)
+      more.push_back(cloud.more_noise[i]);
+    else if (has_calm_part)
+      others.push_back(all[i]);
+  if (more.empty()) return result;
+  if (!others.empty()) result.others = quantile_of(std::move(others), 0.5);
+  result.samples = static_cast<Index>(more.size());
+  result.part = static_cast<double>(result.samples) / cloud.size();
+  result.median = quantile_of(std::move(more), 0.5);
+  return result;
 }
 
 }  // namespace shrinkwrap

@@ -9,6 +9,11 @@ struct MoreNoiseOptions {
   /// There is more noise around a sample if it is so many times that of the cloud, and more than
   /// `from` (x local spacing).
   double times = 2.0, from = 0.1;
+  /// The noise of the cloud is no measure where it is told by clean and noisy parts together: where
+  /// half of it has more than `from`, and this part less than so many times the noise of the half.
+  /// That is then the cloud's, to which the rest is compared. Of clouds that are noisy all over,
+  /// with detail or without, a fifth had 0.61 times as much or more.
+  double calm_part = 0.2, calm_times = 0.5;
   /// Where there is noise, few samples lie on a plane with seven of their ten nearest (themselves
   /// among these), however it is laid: four fifths are so many times the noise off it. Of the
   /// narrowest ribs and finest lettering, which quadrics miss too, there are always such.
@@ -19,6 +24,7 @@ struct MoreNoise {
   Index samples = 0;    ///< around which there is more noise than in the cloud
   double part = 0.0;    ///< of all
   double median = 0.0;  ///< of theirs, x local spacing
+  double others = 0.0;  ///< the noise of the others: that of the cloud, unless this has calm parts
 };
 
 /// Fills in `cloud.more_noise`, for clouds that are noisy in part, as where a scanner looked along

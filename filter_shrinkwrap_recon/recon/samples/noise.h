@@ -32,6 +32,9 @@ struct NoiseEstimate {
   double upper_fifth = 0.0;
   Layers layers;   ///< whose steps count as noise
   MoreNoise more;  ///< where there is more, once that was measured
+
+  /// Of the samples around which there is not more: the median, unless the cloud has calm parts.
+  double of_others() const { return more.samples > 0 ? more.others : median; }
 };
 
 /// The deviation of the samples from the surface that they lie on, in local spacings: what the
