@@ -182,6 +182,19 @@ TEST(Layers, CountAsNoise) {
   }
 }
 
+// The noise of samples in layers is not told from their neighbours.
+TEST(Layers, AreNoPartWithoutNoise) {
+  std::vector<Vec3> points = sample_front(1.6);
+  Random random(1);
+  for (Vec3& p : points)
+    if (p.x() > 0.5 * kRadius) p.z() += 0.5 * random.gaussian();
+  Progress silent;
+  PointCloud cloud = oriented_cloud(points);
+  const double noise = estimate_noise(cloud, {}, silent).median;
+  EXPECT_NEAR(noise, 1.6 / std::sqrt(12.0), 0.04);
+  EXPECT_EQ(measure_more_noise(cloud, noise, {}, silent).others, noise);
+}
+
 TEST(Layers, CountAsNoiseOfOneSpacingAtMost) {
   const NoiseEstimate noise = noise_of(sample_stack(10, 6.0));
   EXPECT_NEAR(noise.layers.step, 6.0, 0.2);

@@ -183,8 +183,8 @@ MoreNoise measure_more_noise(PointCloud& cloud, double noise, const MoreNoiseOpt
   if (std::max(options.times * noise, options.from) > kGreatestNoise) return result;
   NoiseField field(cloud, progress);
   const double half = field.quantile(0.5), calm = field.quantile(options.calm_part);
-  const bool has_calm_part =
-      half > options.from && calm < options.calm_times * std::min(half, noise);
+  // There is less in half of it where layers were counted as noise, too.
+  const bool has_calm_part = half >= noise && calm < options.calm_times * half;
   const std::vector<float> all = has_calm_part ? field.at_samples(progress) : std::vector<float>();
   field.keep_more_than(std::max(options.times * (has_calm_part ? calm : noise), options.from),
                        options.least_roughness, progress);

@@ -9,10 +9,10 @@ struct MoreNoiseOptions {
   /// There is more noise around a sample if it is so many times that of the cloud, and more than
   /// `from` (x local spacing).
   double times = 2.0, from = 0.1;
-  /// The noise of the cloud is no measure where it is told by clean and noisy parts together: where
-  /// half of it has more than `from`, and this part less than so many times the noise of the half.
-  /// That is then the cloud's, to which the rest is compared. Of clouds that are noisy all over,
-  /// with detail or without, a fifth had 0.61 times as much or more.
+  /// Where clean and noisy parts share a cloud, its noise is that of neither: where this part of it
+  /// has less than so many times the noise that half of it has. More is then more than that. In
+  /// clouds that are noisy all over, edges and detail or not, a fifth had 0.61 times as much and
+  /// more.
   double calm_part = 0.2, calm_times = 0.5;
   /// Where there is noise, few samples lie on a plane with seven of their ten nearest (themselves
   /// among these), however it is laid: four fifths are so many times the noise off it. Of the
