@@ -145,7 +145,10 @@ void tell_of_noise(Filter filter, const NoiseEstimate& noise, const DenoisingRep
                            formatted("%.1f", 100.0 * noise.more.part) + " %)";
   if (noise.more.samples > 0)
     outcome.log.push_back("around " + part + " there is more: about " +
-                          formatted("%.2f", noise.more.median) + " spacings");
+                          formatted("%.2f", noise.more.median) + " spacings" +
+                          (noise.of_others() != noise.median
+                               ? ", and " + formatted("%.2f", noise.of_others()) + " elsewhere"
+                               : ""));
   if (layers.axis != kNone)
     outcome.log.push_back(
         "the samples lie in " + count_of(layers.count, "layer") + " along " +

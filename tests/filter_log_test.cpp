@@ -69,13 +69,18 @@ TEST(FilterLog, NoiseAndWhatWasSmoothedAreTold) {
   EXPECT_FALSE(is_told(run(Filter::reconstruct, input), "noise smoothed"));
 }
 
-TEST(FilterLog, NoiseOfAPartIsTold) {
+FilterInput sphere_noisy_from(double x) {
   Random random(4);
   FilterInput input;
   input.points = sample_shape(ShapeKind::sphere, 4000, 3);
   for (Vec3& p : input.points)
-    if (p.x() > 0.4) p += 0.05 * random.in_cube();
+    if (p.x() > x) p += 0.05 * random.in_cube();
   input.points = in_single_precision(std::move(input.points));
+  return input;
+}
+
+TEST(FilterLog, NoiseOfAPartIsTold) {
+  const FilterInput input = sphere_noisy_from(0.4);
   const FilterOutcome mesh = run(Filter::reconstruct, input);
   const FilterOutcome surface = run(Filter::reconstruct, input, {{"StopAtParametricSurface", 1}});
   const std::string offer = " %) are noisy, by about 0.";
@@ -83,6 +88,8 @@ TEST(FilterLog, NoiseOfAPartIsTold) {
     EXPECT_TRUE(is_told(outcome, " %) there is more: about 0."));
   EXPECT_TRUE(is_in(mesh.warnings, offer));
   EXPECT_FALSE(is_in(surface.warnings, offer));
+  EXPECT_FALSE(is_told(mesh, " elsewhere"));
+  EXPECT_TRUE(is_told(run(Filter::reconstruct, sphere_noisy_from(-0.4)), ", and 0.00 elsewhere"));
 }
 
 TEST(FilterLog, LayersAreTold) {

@@ -50,19 +50,19 @@ CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
   CloudReport report;
   options.samples.neighbours = cloud.neighbour_count;  // more, if they would lie on lines
   const bool may_smooth = options.stop_at_parametric_surface && is_robust(options);
-  if (may_smooth) {
-    progress.begin(Stage::orientation);
-    progress.set_part(0.0, 0.15);
-  }
+  // Of the time of the stage, to smooth takes most.
+  const double oriented = may_smooth ? 0.15 : 0.7, told = may_smooth ? 0.2 : 1.0;
+  progress.begin(Stage::orientation);
+  progress.set_part(0.0, oriented);
   report.orientation = orient_normals(cloud, options.orientation, progress);
-  if (may_smooth) progress.set_part(0.15, 0.17);
+  progress.set_part(oriented, oriented + 0.02);
   report.noise = estimate_noise(cloud, options.noise, progress);
   if (report.noise.median > options.noise.high) {
     options.initial_mesh.dense_spacing = options.initial_mesh.voxel_ratio_for_detail = 0.0;
     if (options.initial_mesh.second_voxel_ratio > 0.0)
       options.initial_mesh.second_voxel_ratio = options.noise.second_voxel_ratio;
   }
-  if (may_smooth) progress.set_part(0.17, 0.2);
+  progress.set_part(oriented + 0.02, told);
   if (is_robust(options))
     report.noise.more =
         measure_more_noise(cloud, report.noise.median, options.more_noise, progress);
