@@ -160,7 +160,7 @@ void tell_of_noise(Filter filter, const NoiseEstimate& noise, const DenoisingRep
                           formatted("%.2f", denoising.mean_displacement) +
                           " spacings in the mean, " +
                           formatted("%.2f", denoising.max_displacement) + " at most");
-  const bool is_noisy = noise.median > options.noise.high;
+  const bool is_noisy = noise.of_others() > options.noise.high;
   const bool is_partly_noisy = noise.more.part > options.denoising.before_initial_mesh_part &&
                                noise.more.median > options.noise.high;
   if ((is_noisy || is_partly_noisy) && !options.stop_at_parametric_surface)

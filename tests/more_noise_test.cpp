@@ -101,7 +101,31 @@ TEST(MoreNoise, TheNoiseOfTheOthersIsTheCloudsUnlessItHasCalmParts) {
   PointCloud cloud = oriented_cloud(noisy_in_part(ShapeKind::sphere, 8000, 0.4, 0.1));
   const double noise = estimate_noise(cloud, {}, silent).median;
   EXPECT_GT(noise, 0.08);
-  EXPECT_EQ(measure(cloud).others, noise);
+  const MoreNoise more = measure(cloud);
+  EXPECT_GT(more.part, 0.3);
+  EXPECT_EQ(more.others, noise);
+}
+
+// The noise of the cloud alone would be too much to tell more.
+TEST(MoreNoise, IsFoundWhereOnlyAFifthHasNone) {
+  PointCloud cloud = oriented_cloud(noisy_in_part(ShapeKind::sphere, 8000, 0.8, 0.0, -0.5));
+  Progress silent;
+  EXPECT_GT(estimate_noise(cloud, {}, silent).median, 0.5);
+  const MoreNoise more = measure(cloud);
+  EXPECT_NEAR(more.part, 0.75, 0.05);
+  EXPECT_LT(more.others, 0.03);
+}
+
+TEST(MoreNoise, OptionsOutOfRangeDoNoHarm) {
+  PointCloud cloud = oriented_cloud(noisy_in_part(ShapeKind::sphere, 2000, 0.4));
+  for (const double part : {-1.0, 0.0, 1.0, 2.0}) {
+    MoreNoiseOptions options;
+    options.calm_part = part;
+    EXPECT_LT(measure(cloud, options).part, 0.5) << part;
+  }
+  MoreNoiseOptions options;
+  options.from = 2.0;
+  EXPECT_EQ(measure(cloud, options).samples, 0);
 }
 
 TEST(MoreNoise, ThereIsNoneWhereAllIsAlike) {

@@ -34,8 +34,8 @@ void finish_surface(FittedSurface& fitted, const PointCloud& cloud,
 /// have moved onto it but for the detail; not if that had more faces that meet others or vertices
 /// that are no samples, nor without `intersection_repair`, which counts them. Fills in `detail`
 /// too; the cloud then has the samples where they have moved, in the same order. `points`: those
-/// that the cloud is of. `noise`: of `estimate_noise`. Throws ReconstructionFailed if all faces
-/// would be dropped.
+/// that the cloud is of. `noise`: `NoiseEstimate::of_others`. Throws ReconstructionFailed if all
+/// faces would be dropped.
 ResultMesh stop_at(FittedSurface& fitted, PointCloud& cloud, const std::vector<Vec3>& points,
                    double noise, const ReconstructionOptions& options, Progress& progress);
 

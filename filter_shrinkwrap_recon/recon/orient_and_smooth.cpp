@@ -50,8 +50,9 @@ CloudReport orient_and_smooth(PointCloud& cloud, ReconstructionOptions& options,
   CloudReport report;
   options.samples.neighbours = cloud.neighbour_count;  // more, if they would lie on lines
   const bool may_smooth = options.stop_at_parametric_surface && is_robust(options);
-  // Of the time of the stage, to smooth takes most.
-  const double oriented = may_smooth ? 0.15 : 0.7, told = may_smooth ? 0.2 : 1.0;
+  // Parts of the time of the stage: where a run may smooth, that takes most.
+  const double oriented = may_smooth ? 0.15 : (is_robust(options) ? 0.7 : 0.98);
+  const double told = may_smooth ? 0.2 : 1.0;
   progress.begin(Stage::orientation);
   progress.set_part(0.0, oriented);
   report.orientation = orient_normals(cloud, options.orientation, progress);

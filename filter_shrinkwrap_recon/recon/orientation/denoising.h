@@ -49,11 +49,11 @@ struct DenoisingReport {
 /// smoothed over hundreds of samples, detail and edges over few. Where the cloud has more noise
 /// (`more_noise`, if that was measured), neighbourhoods are as large as in one that has so much.
 ///
-/// `noise`: of `estimate_noise`. `neighbours`: per sample, from then on. Pre: `orient_normals` was
-/// called on the cloud. Post: `is_denoised()`; positions, their order, neighbours, spacing, normals
-/// and planes are new, the planes those of the surface; `input_index` tells whose they are. O(N),
-/// about 40 us and 220 bytes a sample; the same for any number of threads. Throws Cancelled, and
-/// the cloud is then as it was.
+/// `noise`: `NoiseEstimate::of_others`. `neighbours`: per sample, from then on. Pre:
+/// `orient_normals` was called on the cloud. Post: `is_denoised()`; positions, their order,
+/// neighbours, spacing, normals and planes are new, the planes those of the surface; `input_index`
+/// tells whose they are. O(N), about 40 us and 220 bytes a sample; the same for any number of
+/// threads. Throws Cancelled, and the cloud is then as it was.
 DenoisingReport denoise(PointCloud& cloud, double noise, int neighbours,
                         const DenoisingOptions& options, Progress& progress);
 

@@ -54,8 +54,12 @@ float distance_from_plane(const PointCloud& cloud, Index sample) {
   return static_cast<float>(least);
 }
 
+// Zero of none.
 float quantile_of(std::vector<float> values, double part) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(part * values.size());
+  if (values.empty()) return 0.0f;
+  const double last = static_cast<double>(values.size() - 1);
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(std::clamp(part * values.size(), 0.0, last));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
@@ -82,11 +86,17 @@ class NoiseField {
   // A part of the probes has less.
   float quantile(double part) const { return quantile_of(noise_, part); }
 
-  // Sets all that is not more than `from`, or may be fine detail, to zero.
-  void keep_more_than(double from, double least_roughness, Progress& progress) {
+  // Sets all that is not more than `from`, or may be fine detail, to zero. Returns the median of
+  // what there was.
+  float keep_more_than(double from, double least_roughness, Progress& progress) {
+    const std::vector<float> all = noise_;
     for (float& noise : noise_)
       if (!(noise > from)) noise = 0.0f;
     keep_what_is_sure(least_roughness, progress);
+    std::vector<float> others;
+    for (Index n = 0; n < size(); ++n)
+      if (noise_[n] == 0.0f) others.push_back(all[n]);
+    return quantile_of(std::move(others), 0.5);
   }
 
  private:
@@ -180,23 +190,20 @@ MoreNoise measure_more_noise(PointCloud& cloud, double noise, const MoreNoiseOpt
   MoreNoise result;
   result.others = noise;
   cloud.more_noise.assign(cloud.position.size(), 0.0f);
-  if (std::max(options.times * noise, options.from) > kGreatestNoise) return result;
+  if (!(options.from <= kGreatestNoise)) return result;
   NoiseField field(cloud, progress);
   const double half = field.quantile(0.5), calm = field.quantile(options.calm_part);
   // There is less in half of it where layers were counted as noise, too.
   const bool has_calm_part = half >= noise && calm < options.calm_times * half;
-  const std::vector<float> all = has_calm_part ? field.at_samples(progress) : std::vector<float>();
-  field.keep_more_than(std::max(options.times * (has_calm_part ? calm : noise), options.from),
-                       options.least_roughness, progress);
+  const double from = std::max(options.times * (has_calm_part ? calm : noise), options.from);
+  if (from > kGreatestNoise) return result;
+  const double others = field.keep_more_than(from, options.least_roughness, progress);
   cloud.more_noise = field.at_samples(progress);
-  std::vector<float> more, others;
-  for (Index i = 0; i < cloud.size(); ++i)
-    if (cloud.more_noise[i] > 0.0f)
-      more.push_back(cloud.more_noise[i]);
-    else if (has_calm_part)
-      others.push_back(all[i]);
+  std::vector<float> more;
+  for (const float here : cloud.more_noise)
+    if (here > 0.0f) more.push_back(here);
   if (more.empty()) return result;
-  if (!others.empty()) result.others = quantile_of(std::move(others), 0.5);
+  if (has_calm_part) result.others = std::min(noise, others);
   result.samples = static_cast<Index>(more.size());
   result.part = static_cast<double>(result.samples) / cloud.size();
   result.median = quantile_of(std::move(more), 0.5);

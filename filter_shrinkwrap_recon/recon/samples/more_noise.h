@@ -1,4 +1,4 @@
-// Where there is more noise than in the cloud on the whole.
+// Where there is more noise than in the rest of the cloud.
 #pragma once
 
 #include "samples/point_cloud.h"
@@ -6,8 +6,8 @@
 namespace shrinkwrap {
 
 struct MoreNoiseOptions {
-  /// There is more noise around a sample if it is so many times that of the cloud, and more than
-  /// `from` (x local spacing).
+  /// There is more noise around a sample if it is so many times that of the cloud, or of its calm
+  /// part if it has one, and more than `from` (x local spacing).
   double times = 2.0, from = 0.1;
   /// Where clean and noisy parts share a cloud, its noise is that of neither: where this part of it
   /// has less than so many times the noise that half of it has. More is then more than that. In
@@ -21,7 +21,7 @@ struct MoreNoiseOptions {
 };
 
 struct MoreNoise {
-  Index samples = 0;    ///< around which there is more noise than in the cloud
+  Index samples = 0;    ///< around which there is more noise than around the others
   double part = 0.0;    ///< of all
   double median = 0.0;  ///< of theirs, x local spacing
   double others = 0.0;  ///< the noise of the others: that of the cloud, unless this has calm parts

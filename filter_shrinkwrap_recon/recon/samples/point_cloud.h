@@ -80,10 +80,10 @@ class PointCloud {
   /// After `orient_normals`: 0 of an open sheet, such as the ground with what stands on it, most of
   /// which is seen from both sides (VisibilityVote::trust) and faces one way, 1 of bodies.
   double closedness = 1.0;
-  /// After `measure_more_noise`: the noise around each sample that has more than the cloud, x its
+  /// After `measure_more_noise`: the noise around each sample that has more than the others, x its
   /// local spacing then, and 0 of the others. Else empty.
   std::vector<float> more_noise;
-  /// That around a sample, given the noise of the cloud (either x the local spacing that there was
+  /// That around a sample, given that of the others (either x the local spacing that there was
   /// when it was measured).
   double noise_at(Index sample, double of_cloud) const {
     return more_noise.empty() ? of_cloud : std::max<double>(of_cloud, more_noise[sample]);

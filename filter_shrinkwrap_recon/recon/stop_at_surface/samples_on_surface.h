@@ -30,8 +30,8 @@ struct SamplesOnSurface {
 /// what is left of their noise vanishes, and with it detail such as edges: smooth surfaces have
 /// none. Therefore each moves by that part of the way which noise explains in the mean over the
 /// samples around that face the same way (the empirical Wiener filter, as in denoising.h).
-/// `noise`: of `NoiseEstimate`. Pre: `is_denoised()`, a surface with faces. O(N log F), parallel,
-/// the same for any number of threads. Throws Cancelled.
+/// `noise`: `NoiseEstimate::of_others`. Pre: `is_denoised()`, a surface with faces. O(N log F),
+/// parallel, the same for any number of threads. Throws Cancelled.
 SamplesOnSurface move_onto_surface(const SurfaceMesh& surface, const PointCloud& cloud,
                                    double noise, const SamplesOnSurfaceOptions& options,
                                    Progress& progress);
