@@ -175,7 +175,6 @@ TEST(ParametricSurface, IsTheSameForAnyNumberOfThreads) {
   expect_same_mesh(with_threads(1), with_threads(2));
 }
 
-}  // namespace
 // A sphere two spacings inside its samples: noise of one spacing would explain that.
 TEST(PartOfSamplesFar, IsOfThoseThatTheNoiseAroundThemDoesNotExplain) {
   PointCloud cloud = oriented_cloud(sample_shape_blue_noise(ShapeKind::sphere, 3000, 1));
@@ -189,4 +188,5 @@ TEST(PartOfSamplesFar, IsOfThoseThatTheNoiseAroundThemDoesNotExplain) {
   EXPECT_NEAR(part_of_samples_far(surface, cloud, 0.0, silent), 2.0 / 3.0, 1e-3);
 }
 
+}  // namespace
 }  // namespace shrinkwrap::testing

@@ -131,7 +131,7 @@ class Denoiser {
       : cloud_(cloud),
         options_(options),
         sizes_(std::clamp(options.sizes, 1, kMostSizes)),
-        noise_of_cloud_(noise) {}
+        noise_of_others_(noise) {}
 
   // Where the surface passes each sample.
   std::vector<Place> places(Progress& progress) {
@@ -170,7 +170,7 @@ class Denoiser {
   }
 
   double noise_at(Index sample) const {
-    return std::min(cloud_.noise_at(sample, noise_of_cloud_), kGreatestNoise);
+    return std::min(cloud_.noise_at(sample, noise_of_others_), kGreatestNoise);
   }
   float least_cosine_at(Index sample) const {
     return static_cast<float>(
@@ -367,7 +367,7 @@ class Denoiser {
   const PointCloud& cloud_;
   const DenoisingOptions& options_;
   int sizes_;
-  double noise_of_cloud_;
+  double noise_of_others_;
   std::vector<Vec3f> normal_;  // of each sample
   std::vector<float> noise_;   // of the neighbours of each, x local spacing
   double typical_noise_ = 0.0;

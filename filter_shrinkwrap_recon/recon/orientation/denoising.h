@@ -12,8 +12,8 @@ struct DenoisingOptions {
   /// The initial mesh of cleaner clouds is made of their samples where they are, whose planes tell
   /// the sides of thin blades better, and they are moved after that.
   double before_initial_mesh_from = 0.04;
-  /// They are moved before where more than this part of the samples have more noise than the cloud:
-  /// that gives the initial mesh handles.
+  /// They are moved before where more than this part of the samples have more noise than the
+  /// others: that gives the initial mesh handles.
   double before_initial_mesh_part = 0.1;
   /// Radius of the smallest neighbourhood, x local spacing: `first_radius`, and so many times the
   /// noise. 13 samples at a noise of 0.1, 45 at 0.7.
@@ -46,7 +46,7 @@ struct DenoisingReport {
 /// denoising (Mihcak, Kozintsev, Ramchandran and Moulin 1999). The last step is that to the sample
 /// itself: where there is little noise it stays, whatever the quadrics make of an edge. Height and
 /// slopes are filtered each on its own. The noise is measured around each sample. Flat parts are
-/// smoothed over hundreds of samples, detail and edges over few. Where the cloud has more noise
+/// smoothed over hundreds of samples, detail and edges over few. Where there is more noise
 /// (`more_noise`, if that was measured), neighbourhoods are as large as in one that has so much.
 ///
 /// `noise`: `NoiseEstimate::of_others`. `neighbours`: per sample, from then on. Pre:

@@ -85,8 +85,8 @@ class PointCloud {
   std::vector<float> more_noise;
   /// That around a sample, given that of the others (either x the local spacing that there was
   /// when it was measured).
-  double noise_at(Index sample, double of_cloud) const {
-    return more_noise.empty() ? of_cloud : std::max<double>(of_cloud, more_noise[sample]);
+  double noise_at(Index sample, double of_others) const {
+    return more_noise.empty() ? of_others : std::max<double>(of_others, more_noise[sample]);
   }
   /// After `denoise`, of each sample: its index before. Empty where samples are where the caller
   /// had them.

@@ -14,7 +14,7 @@ struct SamplesOnSurfaceOptions {
   double left = 0.3, left_per_noise = 6.0;
   /// A surface shows what its samples do unless a fifth of them are farther from it than so many
   /// times the noise, and a twentieth than this (x local spacing), in both cases less what the
-  /// noise around them exceeds that of the cloud by.
+  /// noise around them exceeds that of the others by.
   double farthest_fifth = 1.0, farthest_twentieth = 0.06;
 };
 
@@ -22,7 +22,7 @@ struct SamplesOnSurface {
   std::vector<Vec3> position;    ///< one per sample, as the cloud's
   double upper_fifth = 0.0;      ///< a fifth of the samples were farther away (x local spacing)
   double upper_twentieth = 0.0;  ///< and a twentieth
-  /// The same less what the noise around them exceeds that of the cloud by.
+  /// The same less what the noise around them exceeds that of the others by.
   double fifth_beyond_noise = 0.0, twentieth_beyond_noise = 0.0;
 };
 
