@@ -100,6 +100,17 @@ TEST(ParametricSurface, LeavesTheLastSubdivisionOutWhereItIsFineEnough) {
   EXPECT_EQ(subdivisions_of(sharp, 0.5), 2);
 }
 
+// With one subdivision more than usual that is the last, and not the one before it too.
+TEST(ParametricSurface, OnlyTheLastOfThreeSubdivisionsIsLeftOut) {
+  const PointCloud samples = oriented_cloud(sample_shape_blue_noise(ShapeKind::sphere, 6000, 14));
+  ParametricSurfaceOptions options;
+  options.fine_enough_from = 1000;
+  Progress silent;
+  const ParametricSurface surface =
+      make_parametric_surface(in_frame(icosphere(1), samples.frame), samples, options, silent);
+  EXPECT_EQ(surface.report.subdivisions, 2);
+}
+
 TEST(ParametricSurface, NearestSampleFittingComesCloseToo) {
   const PointCloud samples = oriented_cloud(sample_shape(ShapeKind::sphere, 3000, 5));
   ParametricSurfaceOptions options;

@@ -110,6 +110,48 @@ TEST(SettleSpanningFaces, NoEdgeBecomesLongerThanTheLongest) {
   EXPECT_EQ(settle(matching), 1) << "there is a longer one";
 }
 
+// A pentagon of three spanning faces, whose middle one has both inner edges, among triangles that
+// are obtuse at their outer corners, so that every edge of the rim would flip. A flip of one inner
+// edge turns the other half-edges of its faces by one place.
+TEST(SettleSpanningFaces, TheRimStaysWhateverTheOrder) {
+  constexpr Index kSides = 5, kApex = 2 * kSides;
+  std::vector<Vec3> positions(2 * kSides + 1, Vec3(0.0, 0.0, -5.0));
+  for (Index i = 0; i < kSides; ++i) {
+    const auto on_ellipse = [](double turns) {
+      return Vec3(1.5 * std::cos(2.0 * kPi * turns), std::sin(2.0 * kPi * turns), 0.0);
+    };
+    positions[i] = on_ellipse(i / 5.0);
+    positions[kSides + i] =
+        0.52 * (positions[i] + on_ellipse((i + 1) / 5.0)) - Vec3(0.0, 0.0, 0.001);
+  }
+  Index flips = 0;
+  for (Index turn = 0; turn < kSides; ++turn)  // the corner that the three have in common
+    for (int rotations = 0; rotations < 27; ++rotations)
+      for (int order = 0; order < 3; ++order) {
+        const auto rim = [&](Index i) { return (i + turn) % kSides; };
+        const auto rotated = [](Triangle t, int by) {
+          return Triangle{t[by % 3], t[(by + 1) % 3], t[(by + 2) % 3]};
+        };
+        std::vector<Triangle> triangles = {rotated({rim(0), rim(1), rim(2)}, rotations),
+                                           rotated({rim(0), rim(2), rim(3)}, rotations / 3),
+                                           rotated({rim(0), rim(3), rim(4)}, rotations / 9)};
+        std::rotate(triangles.begin(), triangles.begin() + order, triangles.begin() + 3);
+        for (Index i = 0; i < kSides; ++i) {
+          const Index next = (i + 1) % kSides, outer = kSides + i;
+          triangles.push_back({next, i, outer});
+          triangles.push_back({outer, i, kApex});
+          triangles.push_back({next, outer, kApex});
+        }
+        CompleteMatching matching;
+        matching.mesh = SurfaceMesh::from_triangles(positions, triangles);
+        matching.spanning_faces = {0, 1, 2};
+        flips += settle(matching);
+        for (std::size_t f = 3; f < triangles.size(); ++f)
+          EXPECT_EQ(matching.mesh.triangle(static_cast<Index>(f)), triangles[f]);
+      }
+  EXPECT_GT(flips, 0);
+}
+
 TEST(SettleSpanningFaces, NothingFlipsBeyondTheTests) {
   CompleteMatching matching = fanned_drum();
   SettlingOptions options;

@@ -136,7 +136,7 @@ class NotchFiller {
   const PointCloud& cloud_;
   std::vector<char>& is_dropped_;  // per face
   std::vector<Index> border_;      // per sample: the one it is on; of those with one fan
-  std::vector<Index> length_;      // of each border: samples
+  std::vector<Index> length_;      // of each border: vertices
   std::vector<double> turn_;       // of each border: how much it turns in, at first
   std::vector<Index> edge_;        // half-edges from the sample between dropped faces, in order
   Index before_ = kNone, after_ = kNone;

@@ -91,6 +91,7 @@ class FaceSplitter {
     std::array<Index, 3> corner;  // of point_
     Index slot;
     Index first_child;  // three in a row, made by a split; kNone: a face
+    Index feet = 0;     // in it
   };
 
   Weights weights_in(const Node& node, const PlanePoint& p) const {
@@ -103,15 +104,21 @@ class FaceSplitter {
     Weights weights = weights_in(node_[0], p);
     while (node_[at].first_child != kNone) {
       const Index first = node_[at].first_child;
+      ++node_[at].feet;
       double best = 0.0;
       for (Index child = first; child < first + 3; ++child) {
         const Weights in_child = weights_in(node_[child], p);
-        if (child > first && !(least(in_child) > best)) continue;
+        const double inside = least(in_child);
+        // Feet on one corner lie in two children alike: they are spread over both.
+        if (child > first && !(inside > best) &&
+            !(inside == best && node_[child].feet < node_[at].feet))
+          continue;
         at = child;
         weights = in_child;
-        best = least(in_child);
+        best = inside;
       }
     }
+    node_[at].feet = 1;
     weights = kept_inside(weights, at == 0);
     const std::array<Index, 3> corner = node_[at].corner;
     p = {0.0, 0.0};

@@ -60,8 +60,9 @@ class Settling {
     return (mesh_.position[w] - mesh_.position[v]).squaredNorm();
   }
 
+  // A flip before may have made h another edge: of its face, but perhaps of one that stays.
   bool try_flip(Index h) {
-    if (!wants_delaunay_flip(mesh_, h) || !mesh_.is_flip_legal(h)) return false;
+    if (!may_change(h) || !wants_delaunay_flip(mesh_, h) || !mesh_.is_flip_legal(h)) return false;
     if (squared_length(mesh_.opposite(h), mesh_.opposite(mesh_.twin(h))) > longest_) return false;
     if (flip_cuts(h)) return false;
     mesh_.flip(h);

@@ -17,10 +17,10 @@ namespace {
 
 constexpr Index kGrain = 1 << 10;
 constexpr Index kProgressStride = 1 << 11;
-constexpr int kCandidates = 8;    // nearest samples among which a vertex chooses by normal
-constexpr double kSurplus = 3.0;  // x spacing: how much farther a compatible face may be
-constexpr int kRounds = 24;       // of insertion by exact search; few samples are left then
-constexpr int kWalkSteps = 64;    // from a face that was near to the nearest around
+constexpr int kCandidates = 8;      // nearest samples among which a vertex chooses by normal
+constexpr Index kPollInterval = 8;  // a search that looks at all faces takes a millisecond
+constexpr int kRounds = 24;         // of insertion by exact search; few samples are left then
+constexpr int kWalkSteps = 64;      // from a face that was near to the nearest around
 constexpr Index kLooksPerInsertion = 64;
 
 // A mesh and the samples that its vertices stand for, while it is made.
@@ -151,28 +151,15 @@ class Inserter {
     hits_.assign(matching_.isolated.size(), {});
     const Index count = static_cast<Index>(hits_.size());
     parallel_blocks(count, kGrain, progress, [&](Index, Index begin, Index end) {
-      Index hint = kNone;
+      FootSearch search(mesh_, tree, cloud_.spacing);
       for (Index i = begin; i < end; ++i) {
+        if (i % kPollInterval == 0) progress.update(0.0);
         const Index sample = matching_.isolated[i];
-        hits_[i] =
-            nearest_face(tree, cloud_.position[sample], cloud_.normal[sample].cast<double>(), hint);
-        hint = hits_[i].face;
+        const Vec3& p = cloud_.position[sample];
+        hits_[i] = by_normal_ ? search.nearest_facing(p, cloud_.normal[sample].cast<double>())
+                              : search.nearest(p);
       }
     });
-  }
-
-  // Nearest of those that look to the side of the normal, unless that is much farther.
-  FaceTree::Hit nearest_face(const FaceTree& tree, const Vec3& p, const Vec3& normal,
-                             Index hint) const {
-    const double unlimited = std::numeric_limits<double>::infinity();
-    FaceTree::Hit hit = tree.nearest(p, unlimited, hint, [](Index) { return true; });
-    // Every distance overflowed or is not a number: any face will do.
-    if (hit.face == kNone) hit.face = 0;
-    const auto is_compatible = [&](Index f) { return mesh_.area_vector(f).dot(normal) > 0.0; };
-    if (!by_normal_ || is_compatible(hit.face)) return hit;
-    const double limit = std::sqrt(hit.squared_distance) + kSurplus * cloud_.spacing;
-    const FaceTree::Hit other = tree.nearest(p, limit * limit, kNone, is_compatible);
-    return other.face == kNone ? hit : other;
   }
 
   void insert_nearest_of_each_face(Progress& progress) {

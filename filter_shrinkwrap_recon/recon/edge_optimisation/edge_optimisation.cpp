@@ -437,6 +437,7 @@ class TangentPlaneCriterion {
 
   // No face turned away, no sliver, nearly Delaunay.
   bool keeps_shape(const Hinge& hinge, const Vec3& outward) const {
+    // A sliver is told by its narrowest angle; one that is there may become another, less narrow.
     static const double least_angle_cosine = std::cos(8.0 * kPi / 180.0);
     constexpr double kMostAtEnds = 260.0 * kPi / 180.0;
     const Vec3 &a = mesh_.position[hinge.corner[0]], &b = mesh_.position[hinge.corner[1]],

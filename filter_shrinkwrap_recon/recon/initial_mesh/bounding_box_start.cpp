@@ -7,6 +7,7 @@
 
 #include "common/parallel.h"
 #include "geometry/bounding_box.h"
+#include "mesh/split_in_four.h"
 
 namespace shrinkwrap {
 namespace {
@@ -86,39 +87,12 @@ SurfaceMesh box_mesh(const Vec3& low, const Vec3& high) {
 }
 
 SurfaceMesh midpoint_subdivide(const SurfaceMesh& mesh, Progress& progress) {
-  const Index halfedges = mesh.halfedge_slots();
+  const std::vector<Index> middle = edge_vertices(mesh);
   std::vector<Vec3> position = mesh.position;
-  position.reserve(position.size() + halfedges / 2);
-  std::vector<Index> middle(static_cast<std::size_t>(halfedges));
-  for (Index h = 0; h < halfedges; ++h) {
-    if (mesh.twin(h) < h) {
-      middle[h] = middle[mesh.twin(h)];
-      continue;
-    }
-    middle[h] = static_cast<Index>(position.size());
-    position.push_back(0.5 * (mesh.position[mesh.origin(h)] + mesh.position[mesh.target(h)]));
-  }
-
-  // Face f becomes 4f + i at its corner i, (corner, middle ahead, middle behind), and 4f + 3
-  // between the middles. The edge of h falls into two halves, which run along the faces at both
-  // its ends.
-  const auto at_corner = [](Index h) { return 3 * (4 * (h / 3) + h % 3); };
-  const auto first_half = [&](Index h) { return at_corner(h); };
-  const auto second_half = [&](Index h) { return at_corner(SurfaceMesh::next(h)) + 2; };
-  std::vector<Index> origin(4 * static_cast<std::size_t>(halfedges)), twin(origin.size());
-  parallel_for_each(halfedges, kGrain, progress, [&](Index h) {
-    const Index corner = at_corner(h), center = 3 * (4 * (h / 3) + 3);
-    const Index behind = SurfaceMesh::prev(h);
-    origin[corner] = mesh.origin(h);
-    origin[corner + 1] = middle[h];
-    origin[corner + 2] = middle[behind];
-    origin[center + h % 3] = middle[h];
-    twin[first_half(h)] = second_half(mesh.twin(h));
-    twin[second_half(h)] = first_half(mesh.twin(h));
-    twin[corner + 1] = center + behind % 3;
-    twin[center + behind % 3] = corner + 1;
-  });
-  return SurfaceMesh::from_halfedges(std::move(position), std::move(origin), std::move(twin));
+  position.resize(position.size() + middle.size() / 2);
+  for (Index h = 0; h < mesh.halfedge_slots(); ++h)
+    position[middle[h]] = 0.5 * (mesh.position[mesh.origin(h)] + mesh.position[mesh.target(h)]);
+  return split_in_four(mesh, middle, std::move(position), progress);
 }
 
 InitialMesh shrink_bounding_box(const PointCloud& cloud, const InitialMeshOptions& options,

@@ -101,7 +101,7 @@ struct InitialMeshReport {
 };
 
 struct InitialMesh {
-  SurfaceMesh mesh;  ///< closed 2-manifold, canonical order
+  SurfaceMesh mesh;  ///< closed 2-manifold, no removed slots
   InitialMeshReport report;
 };
 

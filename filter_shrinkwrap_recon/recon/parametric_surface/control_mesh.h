@@ -26,7 +26,7 @@ struct ControlMeshReport {
 };
 
 struct ControlMesh {
-  SurfaceMesh mesh;  ///< same topology as the input, canonical order
+  SurfaceMesh mesh;  ///< same topology as the input, no removed slots
   ControlMeshReport report;
 };
 

@@ -5,11 +5,12 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <string>
+#include <utility>
 
 #include "common/parallel.h"
 #include "mesh/face_tree.h"
 #include "mesh/one_ring.h"
+#include "mesh/split_in_four.h"
 #include "samples/tangent_target.h"
 
 namespace shrinkwrap {
@@ -180,7 +181,7 @@ double part_out_of_reach(const SurfaceMesh& mesh, const PointCloud& cloud, const
 }
 
 // How many vertices there are to be, x samples, for a surface to be fine enough.
-constexpr double kEnoughVertices = 0.75, kEnoughForThird = 0.5;
+constexpr double kEnoughVertices = 0.75, kEnoughForOneMore = 0.5;
 // A sample is no farther from the surface than this, x noise, because of that.
 constexpr double kMostDeviations = 3.0;
 // Part of the samples that may be out of reach of a surface that is fine enough.
@@ -204,21 +205,10 @@ SurfaceMesh loop_subdivide(const SurfaceMesh& mesh) {
 }
 
 SurfaceMesh loop_subdivide(const SurfaceMesh& mesh, Progress& progress) {
-  if (mesh.face_slots() > std::numeric_limits<Index>::max() / 12)
-    throw InvalidInput("a mesh of " + std::to_string(mesh.face_count()) +
-                       " faces is too large to be subdivided: choose the control mesh");
-  // Face f becomes 4f (at its first corner), 4f+1, 4f+2 (at the others) and 4f+3 (in the middle);
-  // the vertex of an edge is numbered after the old vertices, in order of the edge's lower
-  // half-edge.
-  const Index vertices = mesh.vertex_slots(), halfedges = mesh.halfedge_slots(),
-              faces = mesh.face_slots();
-  std::vector<Index> edge_vertex(static_cast<std::size_t>(halfedges));
-  Index next_vertex = vertices;
-  for (Index h = 0; h < halfedges; ++h)
-    if (h < mesh.twin(h)) edge_vertex[h] = edge_vertex[mesh.twin(h)] = next_vertex++;
-
+  const Index vertices = mesh.vertex_slots(), halfedges = mesh.halfedge_slots();
+  const std::vector<Index> edge_vertex = edge_vertices(mesh);
   progress.update(0.0);
-  std::vector<Vec3> position(static_cast<std::size_t>(next_vertex));
+  std::vector<Vec3> position(static_cast<std::size_t>(vertices) + halfedges / 2);
   parallel_for_each(vertices, kGrain, progress, [&](Index v) {
     Vec3 sum = Vec3::Zero();
     Index valence = 0;
@@ -236,29 +226,7 @@ SurfaceMesh loop_subdivide(const SurfaceMesh& mesh, Progress& progress) {
         0.375 * (mesh.position[mesh.origin(h)] + mesh.position[mesh.origin(o)]) +
         0.125 * (mesh.position[mesh.opposite(h)] + mesh.position[mesh.opposite(o)]);
   });
-
-  std::vector<Index> origin(4 * static_cast<std::size_t>(halfedges)), twin(origin.size());
-  parallel_for_each(faces, kGrain, progress, [&](Index f) {
-    const Index base = 12 * f, middle = base + 9;
-    for (Index corner = 0; corner < 3; ++corner) {
-      const Index h = 3 * f + corner, before = SurfaceMesh::prev(h);
-      // Corner triangle: old vertex, vertex of the edge after it, vertex of the edge before it.
-      const Index g = base + 3 * corner;
-      origin[g] = mesh.origin(h);
-      origin[g + 1] = edge_vertex[h];
-      origin[g + 2] = edge_vertex[before];
-      origin[middle + corner] = edge_vertex[h];
-      // The corner's inner edge runs from edge_vertex[h] to edge_vertex[before], the middle's back.
-      twin[g + 1] = middle + before % 3;
-      twin[middle + before % 3] = g + 1;
-      // The first half of h meets the second half of its twin, and the other way round.
-      const Index o = mesh.twin(h), after_o = SurfaceMesh::next(o);
-      twin[g] = 12 * SurfaceMesh::face(o) + 3 * (after_o % 3) + 2;
-      const Index o_before = mesh.twin(before);
-      twin[g + 2] = 12 * SurfaceMesh::face(o_before) + 3 * (o_before % 3);
-    }
-  });
-  return SurfaceMesh::from_halfedges(std::move(position), std::move(origin), std::move(twin));
+  return split_in_four(mesh, edge_vertex, std::move(position), progress);
 }
 
 ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud& cloud,
@@ -272,15 +240,13 @@ ParametricSurface make_parametric_surface(SurfaceMesh control, const PointCloud&
   const auto is_coarse = [&](double vertices, double enough) {
     return vertices < std::floor(enough * cloud.size());
   };
-  const auto goes_on = [&](int level) {
+  const auto goes_on = [&](int level, double vertices) {
     return level <= options.subdivisions &&
-           is_coarse(mesh.vertex_count(),
-                     level < options.subdivisions ? kEnoughVertices : kEnoughForThird);
+           is_coarse(vertices, level < options.subdivisions ? kEnoughVertices : kEnoughForOneMore);
   };
-  for (int level = 0; goes_on(level); ++level) {
+  for (int level = 0; goes_on(level, mesh.vertex_count()); ++level) {
     const double edges = 1.5 * mesh.face_count();
-    const bool is_last = level + 1 >= options.subdivisions ||
-                         !is_coarse(mesh.vertex_count() + edges, kEnoughVertices);
+    const bool is_last = !goes_on(level + 1, mesh.vertex_count() + edges);
     progress.set_range(0.1 * level, 0.1 * level);
     if (is_last && level > 0 && options.fine_enough > 0.0 &&
         cloud.size() >= options.fine_enough_from &&

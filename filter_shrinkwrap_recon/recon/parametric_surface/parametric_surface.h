@@ -13,7 +13,7 @@ struct ParametricSurfaceOptions {
   };
   Target target = Target::tangent_plane;
   /// At most, and none once there are three quarters as many vertices as samples: a control mesh
-  /// that has them is the surface. One more is added while there are fewer than half as many.
+  /// that has them is the surface. One more is added if there are fewer than half as many then.
   int subdivisions = 2;
   /// Leave out the last subdivision where the surface is fine enough without it: of the samples all
   /// but one in a thousand lie within this many spacings of it. 0: always subdivide. What follows
@@ -37,7 +37,7 @@ struct ParametricSurfaceReport {
 };
 
 struct ParametricSurface {
-  SurfaceMesh mesh;  ///< same topology as the control mesh, canonical order
+  SurfaceMesh mesh;  ///< same topology as the control mesh, no removed slots
   ParametricSurfaceReport report;
 };
 

@@ -1,9 +1,9 @@
 #include "parametric_surface/sample_feet.h"
 
 #include <cmath>
+#include <limits>
 
 #include "common/parallel.h"
-#include "mesh/face_tree.h"
 
 namespace shrinkwrap {
 namespace {
@@ -23,6 +23,24 @@ struct DistanceSum {
 
 }  // namespace
 
+FaceTree::Hit FootSearch::nearest(const Vec3& p) {
+  const auto any = [](Index) { return true; };
+  const double unlimited = std::numeric_limits<double>::infinity();
+  FaceTree::Hit hit = tree_.nearest(p, unlimited, hint_, any, anchor_);
+  if (hit.face == kNone) hit.face = 0;
+  hint_ = hit.face;
+  return hit;
+}
+
+FaceTree::Hit FootSearch::nearest_facing(const Vec3& p, const Vec3& normal) {
+  const auto is_compatible = [&](Index f) { return surface_.area_vector(f).dot(normal) > 0.0; };
+  const FaceTree::Hit hit = nearest(p);
+  if (is_compatible(hit.face)) return hit;
+  const double limit = std::sqrt(hit.squared_distance) + kSurplus * spacing_;
+  const FaceTree::Hit other = tree_.nearest(p, limit * limit, kNone, is_compatible, anchor_);
+  return other.face == kNone ? hit : other;
+}
+
 SampleFeet find_sample_feet(const SurfaceMesh& surface, const PointCloud& cloud,
                             Progress& progress) {
   const FaceTree tree(surface, progress);
@@ -30,26 +48,13 @@ SampleFeet find_sample_feet(const SurfaceMesh& surface, const PointCloud& cloud,
   SampleFeet feet;
   feet.foot.resize(static_cast<std::size_t>(samples));
 
-  // Samples come along a Morton curve: the face of the last one bounds the search for the next.
   const auto find_block = [&](Index begin, Index end) {
     DistanceSum distances;
-    Index hint = kNone;
-    FaceTree::Anchor anchor;
+    FootSearch search(surface, tree, cloud.spacing);  // samples come along a Morton curve
     for (Index i = begin; i < end; ++i) {
       if (i % kPollInterval == 0) progress.update(0.0);
-      const Vec3& p = cloud.position[i];
-      const Vec3 normal = cloud.normal[i].cast<double>();
-      const auto any = [](Index) { return true; };
-      const auto is_compatible = [&](Index f) { return surface.area_vector(f).dot(normal) > 0.0; };
-      const double unlimited = std::numeric_limits<double>::infinity();
-      FaceTree::Hit hit = tree.nearest(p, unlimited, hint, any, anchor);
-      if (hit.face == kNone) hit.face = 0;  // every distance overflowed: any face will do
-      hint = hit.face;
-      if (!is_compatible(hit.face)) {
-        const double limit = std::sqrt(hit.squared_distance) + kSurplus * cloud.spacing;
-        const FaceTree::Hit other = tree.nearest(p, limit * limit, kNone, is_compatible, anchor);
-        if (other.face != kNone) hit = other;
-      }
+      const FaceTree::Hit hit =
+          search.nearest_facing(cloud.position[i], cloud.normal[i].cast<double>());
       feet.foot[i] = {hit.face, static_cast<float>(hit.weight_b), static_cast<float>(hit.weight_c)};
       const double distance = std::sqrt(hit.squared_distance);
       distances += {distance, distance};
