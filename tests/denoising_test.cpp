@@ -74,6 +74,26 @@ TEST(Denoising, MovesSamplesOntoTheSurface) {
     }
 }
 
+// Small spheres, on which samples have moved along the surface too.
+TEST(Denoising, WhatNoiseBlursIsMadeUpFor) {
+  const Shape sphere = shape_of(ShapeKind::sphere);
+  const auto outward = [&](double tangential_noise) {
+    DenoisingOptions options;
+    options.tangential_noise = tangential_noise;
+    constexpr int kClouds = 8;
+    double sum = 0.0;
+    for (int seed = 1; seed <= kClouds; ++seed) {
+      const PointCloud after =
+          denoised(sample_noisy_shape(ShapeKind::sphere, 600, seed, 0.7), options);
+      sum += errors_of(after, sphere, after.frame.to_input_length(after.spacing)).outward;
+    }
+    return sum / kClouds;
+  };
+  const double blurred = outward(0.0);
+  EXPECT_LT(blurred, -0.04);
+  EXPECT_LT(std::abs(outward(1.0)), 0.4 * std::abs(blurred));
+}
+
 TEST(Denoising, LeavesDetailWhereItIs) {
   const Shape box = shape_of(ShapeKind::box);
   const std::vector<Vec3> points = sample_shape(ShapeKind::box, 6000, 2);

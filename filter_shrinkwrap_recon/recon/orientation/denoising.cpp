@@ -147,7 +147,8 @@ class Denoiser {
     parallel_for_each(cloud_.size(), kGrain, progress, [&](Index i) {
       const Axes axes = axes_at(i);
       const Shape& shape = shape_[i];
-      places[i] = {axes.origin + shape.height / axes.scale * axes.normal, normal_[i]};
+      const double height = shape.height - blur_at(i);
+      places[i] = {axes.origin + height / axes.scale * axes.normal, normal_[i]};
       if (shape.u != 0.0f || shape.v != 0.0f)
         places[i].normal =
             (axes.normal - shape.u * axes.u - shape.v * axes.v).normalized().cast<float>();
@@ -265,6 +266,7 @@ class Denoiser {
   // that to the sample itself before the first.
   void measure_shapes(Progress& progress) {
     shape_.assign(cloud_.position.size(), {});
+    bend_.assign(cloud_.position.size(), 0.0f);
     for (int step = 0; step < sizes_; ++step) {
       step_[step].assign(cloud_.position.size(), {});
       energy_[step].assign(cloud_.position.size(), {});
@@ -316,9 +318,26 @@ class Denoiser {
             static_cast<float>((step.u * step.u + step.v * step.v) / (spare[1] + spare[2]))};
       }
       shape_[sample] = shape;
+      bend_[sample] = static_cast<float>(quadric.coefficient[3] + quadric.coefficient[5]);
       smaller_variance = quadric.variance;
       is_first = false;
     }
+  }
+
+  // How much higher heights are in the mean around a sample than the surface there, since samples
+  // have also moved along it, by about as much: noise blurs what is curved, as heat would spread.
+  double blur_at(Index sample) const {
+    const float least_cosine = least_cosine_at(sample);
+    double sum = 0.0, count = 0.0;
+    for (int entry = 0; entry < std::min(kPooled, cloud_.neighbour_count); ++entry) {
+      const Index other = cloud_.neighbours_of(sample)[entry];
+      if (other != sample && !(normal_[other].dot(normal_[sample]) > least_cosine)) continue;
+      sum += bend_[other];
+      count += 1.0;
+    }
+    const double noise = options_.tangential_noise * typical_at(sample);
+    const double most = options_.most_blur * noise;
+    return std::clamp(noise * noise * sum / count, -most, most);
   }
 
   // Mean over the neighbours that look the same way and have about as much noise around them: where
@@ -372,6 +391,7 @@ class Denoiser {
   std::vector<float> noise_;   // of the neighbours of each, x local spacing
   double typical_noise_ = 0.0;
   std::vector<Shape> shape_;  // of each sample
+  std::vector<float> bend_;   // half the Laplacian of the widest quadric of each
   // Of each sample: entry s is the step from size s to the next smaller one, or to the sample.
   std::array<std::vector<Shape>, kMostSizes> step_;
   std::array<std::vector<Energy>, kMostSizes> energy_;

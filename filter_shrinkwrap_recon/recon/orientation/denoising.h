@@ -29,6 +29,10 @@ struct DenoisingOptions {
   /// What the noise around a sample differs from the typical noise of the cloud, up to this factor,
   /// is taken for detail or chance.
   double alike = 1.4;
+  /// Noise along the surface, x that across it: 1 where it is alike in all directions. 0: none, as
+  /// where samples were moved along their normals.
+  double tangential_noise = 1.0;
+  double most_blur = 0.5;  ///< that is made up for, x that noise
 };
 
 struct DenoisingReport {
@@ -46,8 +50,11 @@ struct DenoisingReport {
 /// denoising (Mihcak, Kozintsev, Ramchandran and Moulin 1999). The last step is that to the sample
 /// itself: where there is little noise it stays, whatever the quadrics make of an edge. Height and
 /// slopes are filtered each on its own. The noise is measured around each sample. Flat parts are
-/// smoothed over hundreds of samples, detail and edges over few. Where there is more noise
-/// (`more_noise`, if that was measured), neighbourhoods are as large as in one that has so much.
+/// smoothed over hundreds of samples, detail and edges over few. What is curved lies farther out
+/// than quadrics pass, by the square of the noise along the surface times its mean curvature: that
+/// noise blurs it, as heat spreads, and a height field is an average over it. Where there is more
+/// noise (`more_noise`, if that was measured), neighbourhoods are as large as in one that has so
+/// much.
 ///
 /// `noise`: `NoiseEstimate::of_others`. `neighbours`: per sample, from then on. Pre:
 /// `orient_normals` was called on the cloud. Post: `is_denoised()`; positions, their order,
