@@ -37,7 +37,8 @@ std::string conditioning_line(const ConditioningReport& report, double spacing) 
          (report.near_copies.empty()
               ? ""
               : "; " + std::to_string(report.near_copies.size()) +
-                    " of them lie where others do, but for a little, and become vertices at last");
+                    " of them lie where others do, but for a little: of all meshes only the one "
+                    "through every sample has them");
 }
 
 namespace {
@@ -130,9 +131,11 @@ void warn_of(const OrientationReport& report, std::vector<std::string>& warnings
              formatted("%.2f", std::round(report.ground[axis] * 100.0) / 100.0 + 0.0);
   warnings.push_back(
       "A flat open sheet was taken for ground that faces (" + front +
-      "), and the rest of the cloud to be seen from that side of it. Where that is its "
+      ") in the coordinates of the layer, and the rest of the cloud to be seen from that side of "
+      "it. Where that is its "
       "back, turn the mesh (filter \"Invert Faces Orientation\") or, if much stands on "
-      "the ground, the points until it faces +z, and run again.");
+      "the ground, the points until it faces +z (their coordinates, by a filter, not the matrix of "
+      "the layer), and run again.");
 }
 
 void tell_of_noise(Filter filter, const NoiseEstimate& noise, const DenoisingReport& denoising,

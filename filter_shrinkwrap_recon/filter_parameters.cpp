@@ -100,9 +100,8 @@ Parameter method() {
 }
 
 Parameter selected_only() {
-  return boolean(
-      kSelectedOnly, "Selected points only", false,
-      "Use only the selected points of the layer as samples. At least 4 must be selected.");
+  return boolean(kSelectedOnly, "Selected points only", false,
+                 "Use only the selected points of the layer as samples.");
 }
 
 Parameter exclude_outliers() {
@@ -124,8 +123,7 @@ Parameter smooth_for_noise() {
       "the parametric surface, and where its log says so. Choose the same in the filters "
       "Initial Mesh, Parametric Surface and Complete Matching (to stop at the surface of points "
       "with noise of less than 0.04 of their spacing, of which the log tells more around a tenth "
-      "at "
-      "most, the whole method leaves out the first).");
+      "at most, the whole method leaves out the first).");
 }
 
 Parameter backs_are_openings() {
@@ -213,6 +211,17 @@ Parameter repair_intersections() {
               "them until none is left; those that cannot be parted are selected. Faces "
               "that are bent back onto their neighbours are unfolded too. Off: a little "
               "faster; the report counts them, and none is selected."));
+}
+
+// Of a surface that the samples are still to be matched to, and of one that is the end.
+Parameter repair_surface_intersections() {
+  Parameter parameter = repair_intersections();
+  parameter.tooltip =
+      "With Smooth the surface for noise, which makes this the last stage: look for faces that cut "
+      "or touch others, exactly, and smooth the surface around them until none is left; those that "
+      "cannot be parted are selected. Without it nothing is looked for here: Edge Optimisation "
+      "does it. Off: a little faster, and none is selected.";
+  return parameter;
 }
 
 Parameter count_intersections() {
@@ -348,11 +357,12 @@ std::vector<Parameter> reconstruct_parameters() {
       advanced(boolean(kKeepStages, "Keep every stage as a layer", false,
                        "Also add the initial mesh, the control mesh, the parametric surface and "
                        "the complete matching before its edges are optimised (As in the paper: "
-                       "the bounding box too), each as a layer, in this order. In the last two "
-                       "meshes the vertex quality is the distance from the parametric surface "
-                       "(unless the points bring a quality of their own), and the face quality of "
-                       "faces that span an opening their longest edge in sample spacings: see "
-                       "them with \"Colorize by vertex Quality\". Takes about twice the memory.")),
+                       "the bounding box too), each as a layer, in this order. In the "
+                       "complete matching and in the result the vertex quality is the distance "
+                       "from the parametric surface (unless the points bring a quality of their "
+                       "own), and the face quality of faces that span an opening their longest "
+                       "edge in sample spacings: see them with \"Colorize by vertex Quality\" and "
+                       "\"Colorize by face Quality\". Takes about twice the memory.")),
       widest_opening(),
       maximum_genus(),
       cut_false_handles(),
@@ -394,6 +404,16 @@ class Reader {
   void read(const char* name, Value& option) const {
     const auto found = values_.find(name);
     if (found != values_.end()) option = static_cast<Value>(found->second);
+  }
+  // -1: automatic.
+  void read_unless_automatic(const char* name, double& option, double unit) const {
+    double value = -1.0;
+    read(name, value);
+    if (value == -1.0) return;
+    if (value < 0.0)
+      throw InvalidInput("the parameter " + std::string(name) + " is " + text_of(value) +
+                         ": it must be -1, or 0 and more");
+    option = value * unit;
   }
   bool is_on(const char* name) const {
     const auto found = values_.find(name);
@@ -477,7 +497,7 @@ std::vector<Parameter> parameters_of(Filter filter) {
           selected_only(), exclude_outliers(),
           method(),        smooth_for_noise(),
           neighbours(),    fit_iterations(),
-          attraction(),    repair_intersections()};
+          attraction(),    repair_surface_intersections()};
       break;
     case Filter::complete_matching:
       list = {samples_layer(),
@@ -510,8 +530,7 @@ std::vector<Parameter> parameters_of(Filter filter) {
               exclude_outliers(),
               boolean(kFailIfIncomplete, "Fail if incomplete", false,
                       "Treat a mesh that is not closed, not 2-manifold or not matched one to one "
-                      "as an error, so that a "
-                      "script stops there."),
+                      "as an error, so that a script stops there."),
               neighbours(),
               count_intersections()};
       break;
@@ -561,11 +580,8 @@ FilterRequest request_of(Filter filter, const ParameterValues& values) {
   reader.read(kControlVertices, options.control_mesh.target_vertices);
   reader.read(kFitIterations, options.parametric_surface.iterations);
   if (reader.is_on(kAttraction)) reader.read(kAttraction, options.parametric_surface.attraction);
-  double degrees = -1.0, gap = -1.0;
-  reader.read(kCreaseAngle, degrees);
-  if (degrees >= 0.0) options.edge_optimisation.crease_angle = degrees * kPi / 180.0;
-  reader.read(kLeastGap, gap);
-  if (gap >= 0.0) options.edge_optimisation.least_gap = gap;
+  reader.read_unless_automatic(kCreaseAngle, options.edge_optimisation.crease_angle, kPi / 180.0);
+  reader.read_unless_automatic(kLeastGap, options.edge_optimisation.least_gap, 1.0);
   reader.read(kRepairIntersections, options.intersection_repair.enabled);
   reader.read(kCountIntersections, options.report.count_self_intersections);
   int openings = static_cast<int>(options.complete_matching.openings);

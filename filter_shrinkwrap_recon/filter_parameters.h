@@ -62,6 +62,8 @@ struct FilterRequest {
   ReconstructionOptions options;
   bool selected_only = false;
   bool fail_if_incomplete = false;  ///< matching_report: an incomplete matching is an error
+  /// Fill in `ResultMesh::data_index` too: set by the host if the samples carry anything.
+  bool carries_data = false;
 };
 
 /// Translates values to options. Throws InvalidInput, naming the parameter and its range, if a

@@ -7,21 +7,19 @@
 #include <numeric>
 
 #include "common/memory_estimate.h"
-#include "common/parallel.h"
 #include "complete_matching/outliers_on_surface.h"
 #include "filter_log.h"
 #include "fit_surface.h"
 #include "geometry/coordinate_matches.h"
-#include "geometry/voxel_search.h"
 #include "initial_mesh/bounding_box_start.h"
 #include "match_cloud.h"
 #include "orient_and_smooth.h"
+#include "report/carried_data.h"
+#include "report/nearest_points.h"
 #include "report/stage_qualities.h"
 
 namespace shrinkwrap {
 namespace {
-
-constexpr Index kGrain = 1 << 12;
 
 Figures figures_of(const MeshReport& report) {
   return {{"vertices", report.vertices},
@@ -58,9 +56,10 @@ ResultMesh outlier_layer(const OutlierReport& report, const std::vector<Vec3>& p
 
 PointCloud without_outliers(const FilterInput& input, const ReconstructionOptions& options,
                             OutlierReport& outliers, Progress& progress) {
-  PointCloud cloud = prepare_samples(input.points, options.samples, progress);
-  if (options.outliers.exclude)
-    outliers = exclude_outliers(cloud, input.points, options.outliers, progress);
+  if (!options.outliers.exclude) return prepare_samples(input.points, options.samples, progress);
+  const FarStrays far_strays = find_far_strays(input.points, options.outliers.far_strays, progress);
+  PointCloud cloud = prepare_samples(input.points, options.samples, progress, far_strays);
+  outliers = exclude_outliers(cloud, input.points, options.outliers, progress, far_strays);
   return cloud;
 }
 
@@ -341,6 +340,7 @@ FilterOutcome run_edge_optimisation(const FilterRequest& request, const FilterIn
   const PointCloud cloud = prepare_as_matched(input, request.options, outliers, progress);
   tell_of(outliers, outcome);
   tell_of_spacing(cloud, outcome);
+  warn_of_openings(request.options, outcome.warnings);
   CompleteMatching matching = matching_of(input, cloud);
   matching.spanning_faces = spanning_faces(input.mesh, cloud.frame.to_input_length(cloud.spacing));
   OptimisedMesh optimised =
@@ -414,30 +414,21 @@ FilterOutcome run_matching_report(const FilterRequest& request, const FilterInpu
 
 FilterOutcome run_distance(const FilterInput& input, Progress& progress) {
   progress.begin(Stage::report);
-  const auto is_finite = [](const Vec3& p) { return p.allFinite(); };
-  std::vector<Vec3> points;
-  std::copy_if(input.points.begin(), input.points.end(), std::back_inserter(points), is_finite);
-  if (points.empty()) throw InvalidInput("there are no samples with finite coordinates");
-  const Index samples = static_cast<Index>(points.size());
-  const Frame frame = unit_frame(points);
-  for (Vec3& p : points) p = frame.to_unit(p);
-  const VoxelSearch search(std::move(points));
+  const Index samples = static_cast<Index>(std::count_if(
+      input.points.begin(), input.points.end(), [](const Vec3& p) { return p.allFinite(); }));
+  if (samples == 0) throw InvalidInput("there are no samples with finite coordinates");
+  const std::vector<NearestPoint> nearest =
+      nearest_points(input.points, input.mesh.position, progress);
 
   FilterOutcome outcome;
-  const std::vector<Vec3>& vertices = input.mesh.position;
-  const Index count = static_cast<Index>(vertices.size());
-  outcome.distance.assign(vertices.size(), 0.0);
-  parallel_for_each(count, kGrain, progress, [&](Index v) {
-    if (is_finite(vertices[v]))
-      outcome.distance[v] = frame.to_input_length(
-          std::sqrt(search.nearest(frame.to_unit(vertices[v])).squared_distance));
-  });
-
+  const Index count = static_cast<Index>(nearest.size());
+  outcome.distance.assign(nearest.size(), 0.0);
   Index not_measured = 0;
   for (Index v = 0; v < count; ++v) {
-    if (is_finite(vertices[v]) && std::isfinite(outcome.distance[v])) continue;
-    outcome.distance[v] = 0.0;
-    ++not_measured;
+    if (nearest[v].index == kNone)
+      ++not_measured;
+    else
+      outcome.distance[v] = nearest[v].distance;
   }
   if (not_measured > 0)
     outcome.warnings.push_back(count_of(not_measured, "vertex", "vertices") +
@@ -525,8 +516,10 @@ FilterOutcome run_filter(Filter filter, const FilterRequest& request, const Filt
                                        ? vertices_after(request.options.initial_mesh.levels)
                                        : 0;
   if (filter != Filter::reconstruct && filter != Filter::distance_to_samples)
-    require_memory_for(std::max({samples, vertices, subdivided}), request.options.memory_limit,
-                       request.options.samples.neighbours);
+    require_memory_for(
+        {std::max({samples, vertices, subdivided}), request.options.samples.neighbours, false,
+         std::max(vertices, subdivided) > samples},
+        request.options.memory_limit);
 
   // What is free now: by the time the samples are looked at, they take some of it.
   FilterRequest limited = request;
@@ -534,7 +527,16 @@ FilterOutcome run_filter(Filter filter, const FilterRequest& request, const Filt
   limited.options.samples.memory_limit = limit > 0 ? limit : available_bytes();
   const int threads = request.options.threads;
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-  FilterOutcome outcome = arena.execute([&] { return dispatch(filter, limited, input, progress); });
+  FilterOutcome outcome = arena.execute([&] {
+    FilterOutcome made = dispatch(filter, limited, input, progress);
+    if (request.carries_data) {
+      const std::vector<Index>& left_out = made.outliers.input_index;
+      carry_data(made.mesh, input.points, left_out, progress);
+      for (StageRecord& stage : made.stages)
+        carry_data(stage.mesh, input.points, left_out, progress);
+    }
+    return made;
+  });
   // The first stage made the layer of what was left out.
   if (needs_mesh) outcome.outliers = ResultMesh();
   if (!outcome.mesh.triangles.empty()) {

@@ -50,7 +50,8 @@ QString help_of(Filter filter) {
     case Filter::reconstruct:
       return "Makes a <b>watertight 2-manifold mesh whose vertices are exactly the points</b> of "
              "the current layer, as a new layer. <b>No normals are needed</b>; colours, qualities "
-             "and custom attributes are kept. For noisy points, stop at the parametric surface.<br>"
+             "and custom attributes are kept (other vertices have those of the nearest point). For "
+             "noisy points, stop at the parametric surface.<br>"
              "Most people need <b>none but the first four parameters</b>." +
              reference("(all sections)");
     case Filter::initial_mesh:
@@ -101,8 +102,12 @@ std::string label_of(const MeshModel& layer) {
   return layer.label().toStdString();
 }
 
-// The layer's name without the ending of the file that it was read from.
+// What the layers of outliers are called, after that of the samples.
+const char* const kOutliers = " outliers";
+
+// The layer's name, without the ending of the file that it was read from.
 QString base_name(const MeshModel& layer) {
+  if (layer.label() != layer.shortName()) return layer.label();
   const QString base = QFileInfo(layer.label()).completeBaseName();
   return base.isEmpty() ? layer.label() : base;
 }
@@ -112,10 +117,12 @@ InvalidInput no_layer_for(const char* parameter) {
 }
 
 // The layers that a dialog starts with: the current one where it fits, else the first or last of
-// its kind.
+// its kind. Outliers are no samples.
 template <class Layer>
 Layer* proposed_layer(const std::vector<Layer*>& layers, Layer* current, bool with_faces) {
-  const auto fits = [&](const Layer* layer) { return (layer->cm.fn > 0) == with_faces; };
+  const auto fits = [&](const Layer* layer) {
+    return (layer->cm.fn > 0) == with_faces && !layer->label().endsWith(kOutliers);
+  };
   if (current != nullptr && fits(current)) return current;
   Layer* proposed = nullptr;
   for (Layer* layer : layers)
@@ -260,6 +267,7 @@ Figures ShrinkWrapReconPlugin::run_on_layers(Filter filter, MeshDocument& docume
                                              const RichParameterList& list, MeshModel& samples,
                                              MeshModel* mesh, vcg::CallBackPos* callback) {
   FilterRequest request = request_of(filter, values_of(list, parameters_of(filter)));
+  request.carries_data = (samples.dataMask() & kCarriedData) != 0 || !samples.cm.vert_attr.empty();
   request.options.host_scalar =
       kHostIsSinglePrecision ? HostScalar::single_precision : HostScalar::double_precision;
   if (mesh != nullptr && !(mesh->cm.Tr == samples.cm.Tr))
@@ -282,7 +290,7 @@ Figures ShrinkWrapReconPlugin::run_on_layers(Filter filter, MeshDocument& docume
 
   NewLayers layers(document);
   if (!outcome.outliers.position.empty())
-    layers.add_points(outcome.outliers, base_name(samples) + " outliers", samples, points);
+    layers.add_points(outcome.outliers, base_name(samples) + kOutliers, samples, points);
   for (const StageRecord& stage : outcome.stages)
     layers.add(stage.mesh, base_name(samples) + " " + QString::fromStdString(stage.name), samples,
                points, {});

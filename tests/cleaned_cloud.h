@@ -17,8 +17,9 @@ inline Cleaned cleaned(const std::vector<Vec3>& points, const OutlierOptions& op
                        const SampleOptions& sample_options = {}) {
   Progress silent;
   Cleaned result;
-  result.cloud = prepare_samples(points, sample_options, silent);
-  result.report = exclude_outliers(result.cloud, points, options, silent);
+  const FarStrays far_strays = find_far_strays(points, options.far_strays, silent);
+  result.cloud = prepare_samples(points, sample_options, silent, far_strays);
+  result.report = exclude_outliers(result.cloud, points, options, silent, far_strays);
   return result;
 }
 

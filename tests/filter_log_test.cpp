@@ -162,4 +162,20 @@ TEST(FilterLog, AdviceForNoiseIsWhatTheFilterCanDo) {
   EXPECT_FALSE(is_in(run(Filter::initial_mesh, input, {{"SmoothForNoise", 1}}).warnings, "noisy"));
 }
 
+TEST(FilterLog, ThePaperClosesEveryOpeningAndSaysSo) {
+  FilterInput input;
+  input.points = in_single_precision(sample_shape(ShapeKind::hemisphere, 800, 13));
+  const auto warned = [](const FilterOutcome& outcome) {
+    return is_in(outcome.warnings, "closes every opening");
+  };
+  const ParameterValues both = {{"Method", 1}, {"Openings", 1}};
+  EXPECT_TRUE(warned(run(Filter::reconstruct, input, both)));
+  EXPECT_FALSE(warned(run(Filter::reconstruct, input, {{"Method", 1}})));
+  EXPECT_FALSE(warned(run(Filter::reconstruct, input, {{"Openings", 1}})));
+  const FilterInput closed = through_layer(input.points, run(Filter::reconstruct, input));
+  const FilterOutcome edges = run(Filter::edge_optimisation, closed, both);
+  EXPECT_TRUE(warned(edges));
+  EXPECT_EQ(std::get<Index>(edges.figures.at("border_loops")), 0);
+}
+
 }  // namespace

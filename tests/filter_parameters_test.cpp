@@ -244,6 +244,16 @@ TEST(FilterParameters, RefusesWhatIsOutOfRangeByName) {
     }
 }
 
+TEST(FilterParameters, RefusesWhatIsNeitherAutomaticNorAValue) {
+  for (const char* name : {"CreaseAngle", "LeastGap"}) {
+    ParameterValues values = default_values(Filter::edge_optimisation);
+    values[name] = -0.5;
+    EXPECT_THROW(request_of(Filter::edge_optimisation, values), InvalidInput) << name;
+    values[name] = -1.0;
+    EXPECT_NO_THROW(request_of(Filter::edge_optimisation, values)) << name;
+  }
+}
+
 TEST(FilterParameters, RefusesFractionsOfCountsAndTooFewControlVertices) {
   ParameterValues values = default_values(Filter::reconstruct);
   values["Neighbours"] = 16.5;

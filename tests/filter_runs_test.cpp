@@ -518,19 +518,6 @@ TEST(FilterRuns, EdgesOfAFinishedMeshAreChosenAnew) {
   for (const auto& one : bending_alone) EXPECT_FALSE(is_as_bent(ParameterValues{one}));
 }
 
-TEST(FilterRuns, ThePaperClosesEveryOpeningAndSaysSo) {
-  FilterInput input;
-  input.points = in_single_precision(sample_shape(ShapeKind::hemisphere, 800, 13));
-  const auto warned = [](const FilterOutcome& outcome) {
-    return std::any_of(outcome.warnings.begin(), outcome.warnings.end(), [](const auto& line) {
-      return line.find("closes every opening") != std::string::npos;
-    });
-  };
-  EXPECT_TRUE(warned(run(Filter::reconstruct, input, {{"Method", 1}, {"Openings", 1}})));
-  EXPECT_FALSE(warned(run(Filter::reconstruct, input, {{"Method", 1}})));
-  EXPECT_FALSE(warned(run(Filter::reconstruct, input, {{"Openings", 1}})));
-}
-
 // The box that the paper starts from is kept with the stages, and takes no time.
 TEST(FilterRuns, TheBoundingBoxIsNoStage) {
   FilterInput input;

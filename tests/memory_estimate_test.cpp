@@ -24,24 +24,24 @@ TEST(MemoryEstimate, NeighboursCount) {
   EXPECT_EQ(estimated_peak_bytes(1000, 16), estimated_peak_bytes(1000));
   const std::uint64_t needed = estimated_peak_bytes(1'000'000, 128);
   EXPECT_GE(needed, std::uint64_t{1'001'000'000}) << "measured";
-  EXPECT_NO_THROW(require_memory_for(1'000'000, needed, 128));
-  EXPECT_THROW(require_memory_for(1'000'000, needed - 1, 128), InvalidInput);
+  EXPECT_NO_THROW(require_memory_for({1'000'000, 128}, needed));
+  EXPECT_THROW(require_memory_for({1'000'000, 128}, needed - 1), InvalidInput);
 }
 
 TEST(MemoryEstimate, TenMillionSamplesFitIntoTwelveGibibytes) {
   EXPECT_LE(estimated_peak_bytes(10'000'000), 12 * kGibibyte);
-  EXPECT_NO_THROW(require_memory_for(10'000'000, 12 * kGibibyte));
+  EXPECT_NO_THROW(require_memory_for({10'000'000}, 12 * kGibibyte));
 }
 
 TEST(MemoryEstimate, AcceptsWhatJustFitsAndRefusesOneByteLess) {
   const std::uint64_t needed = estimated_peak_bytes(3'000'000);
-  EXPECT_NO_THROW(require_memory_for(3'000'000, needed));
-  EXPECT_THROW(require_memory_for(3'000'000, needed - 1), InvalidInput);
+  EXPECT_NO_THROW(require_memory_for({3'000'000}, needed));
+  EXPECT_THROW(require_memory_for({3'000'000}, needed - 1), InvalidInput);
 }
 
 TEST(MemoryEstimate, RefusalTellsBothFiguresAndARemedy) {
   try {
-    require_memory_for(2'000'000'000, 4 * kGibibyte);
+    require_memory_for({2'000'000'000}, 4 * kGibibyte);
     FAIL() << "2 billion samples were accepted in 4 GiB";
   } catch (const InvalidInput& refusal) {
     const std::string text = refusal.what();
@@ -56,15 +56,33 @@ TEST(MemoryEstimate, RefusalTellsBothFiguresAndARemedy) {
 }
 
 TEST(MemoryEstimate, RefusalOfKeptStagesTellsThePointsThereAre) {
-  EXPECT_NO_THROW(require_memory_for(5'000'000, 6 * kGibibyte));
+  EXPECT_NO_THROW(require_memory_for({5'000'000}, 6 * kGibibyte));
   try {
-    require_memory_for(5'000'000, 6 * kGibibyte, 16, true);
+    require_memory_for({5'000'000, 16, true}, 6 * kGibibyte);
     FAIL() << "twice 5 million samples were accepted in 6 GiB";
   } catch (const InvalidInput& refusal) {
     const std::string text = refusal.what();
     EXPECT_NE(text.find("5000000 points"), std::string::npos) << text;
     EXPECT_NE(text.find("keep no stages"), std::string::npos) << text;
   }
+}
+
+TEST(MemoryEstimate, RefusalOfALargeMeshDoesNotSpeakOfPoints) {
+  try {
+    require_memory_for({50'000'000, 16, false, true}, 4 * kGibibyte);
+    FAIL() << "50 million vertices were accepted in 4 GiB";
+  } catch (const InvalidInput& refusal) {
+    const std::string text = refusal.what();
+    EXPECT_NE(text.find("a mesh of 50000000 vertices"), std::string::npos) << text;
+    EXPECT_EQ(text.find("point"), std::string::npos) << text;
+  }
+}
+
+TEST(MemoryEstimate, MoreNeighboursCountBesideKeptStages) {
+  const std::uint64_t stages = estimated_peak_bytes(1'000'000) - estimated_peak_bytes(0);
+  const std::uint64_t needed = estimated_peak_bytes(1'000'000, 128) + stages;
+  EXPECT_NO_THROW(require_memory_for({1'000'000, 128, true}, needed));
+  EXPECT_THROW(require_memory_for({1'000'000, 128, true}, needed - 1), InvalidInput);
 }
 
 TEST(MemoryEstimate, TheBoundingBoxOfTheStartCounts) {

@@ -52,10 +52,10 @@ void update_normals(Mesh& mesh) {
 /// Replaces the content of `mesh` by a result. A vertex that stands for a sample gets what that
 /// vertex of the cloud has (of the components that both meshes have enabled: colour, quality,
 /// radius, texture coordinates ..., and custom attributes of type float, double, int and
-/// vcg::Point3): extra vertices get the defaults. Coordinates are the result's, normals, if there
-/// are any, are computed and point outwards (points without faces keep theirs), nothing is selected
-/// but `marked_faces`; the bounding box is updated. Pre: `result` was made from `points` of
-/// `cloud`. O(V + F).
+/// vcg::Point3); others get what the vertex of `data_index` has, or the defaults. Coordinates are
+/// the result's, normals, if there are any, are computed and point outwards (points without faces
+/// keep theirs), nothing is selected but `marked_faces`; the bounding box is updated. Pre: `result`
+/// was made from `points` of `cloud`. O(V + F).
 template <class CloudMesh, class Mesh>
 void mesh_to_vcg(const ResultMesh& result, const CloudMesh& cloud, const VcgPoints& points,
                  Mesh& mesh, const std::vector<Index>& marked_faces = {}) {
@@ -69,10 +69,12 @@ void mesh_to_vcg(const ResultMesh& result, const CloudMesh& cloud, const VcgPoin
   vcg::tri::Allocator<Mesh>::AddVertices(mesh, result.position.size());
   vcg::tri::Allocator<Mesh>::AddFaces(mesh, result.triangles.size());
 
+  const std::vector<Index>& source =
+      result.data_index.empty() ? result.input_index : result.data_index;
   std::vector<std::size_t> cloud_vertex(result.position.size(), internal::kNoVertex);
   for (std::size_t v = 0; v < result.position.size(); ++v) {
     auto& vertex = mesh.vert[v];
-    if (const Index input = result.input_index[v]; input != kNone) {
+    if (const Index input = source[v]; input != kNone) {
       cloud_vertex[v] = points.vertex_index[static_cast<std::size_t>(input)];
       vertex.ImportData(cloud.vert[cloud_vertex[v]]);
       vertex.Flags() = 0;

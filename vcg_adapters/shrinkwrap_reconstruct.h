@@ -7,11 +7,13 @@
 #include "point_cloud_from_vcg.h"
 #include "progress_from_vcg.h"
 #include "reconstruct.h"
+#include "report/carried_data.h"
 
 namespace shrinkwrap {
 
 /// Reconstructs `cloud` into `mesh`, whose content is replaced on success and left alone otherwise.
-/// Needs no normals; the mesh needs the precision of the cloud. Throws InvalidInput, Cancelled or
+/// Needs no normals; the mesh needs the precision of the cloud. Vertices that are no samples get
+/// colours and other data of the nearest sample. Throws InvalidInput, Cancelled or
 /// ReconstructionFailed. Returns what is known of the run; its mesh was moved out.
 ///
 ///     MyMesh cloud, mesh;
@@ -30,6 +32,7 @@ Reconstruction shrinkwrap_reconstruct(const CloudMesh& cloud, Mesh& mesh,
   const VcgPoints points = points_from_vcg(cloud, selected_only);
   Progress progress(progress_from_vcg(callback), stages_of(options));
   Reconstruction result = reconstruct(points.points, options, progress);
+  carry_data(result.mesh, points.points, result.outliers.input_index, progress);
   mesh_to_vcg(result.mesh, cloud, points, mesh);
   result.mesh = ResultMesh();
   return result;

@@ -32,7 +32,10 @@ OptimisedMesh optimise_matching(CompleteMatching& matching, const PointCloud& cl
   OptimisedMesh result;
   progress.begin(Stage::edge_optimisation);
   progress.set_part(0.0, 0.05);
-  result.openings = decide_openings(matching, cloud, options.complete_matching, progress);
+  CompleteMatchingOptions matched = options.complete_matching;
+  if (matched.method == CompleteMatchingOptions::Method::snap_and_insert)
+    matched.openings = CompleteMatchingOptions::Openings::close;  // the method knows of none
+  result.openings = decide_openings(matching, cloud, matched, progress);
   progress.set_part(0.05, 0.5);
   result.edge_optimisation =
       optimise_edges(matching.mesh, options.edge_optimisation, progress, matching.spanning_faces);

@@ -174,17 +174,22 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
 
   std::uint64_t size = points.size();
   if (!is_robust(options)) size = std::max(size, vertices_after(options.initial_mesh.levels));
-  require_memory_for(size, options.memory_limit, options.samples.neighbours, options.keep_stages);
+  require_memory_for({size, options.samples.neighbours, options.keep_stages, size > points.size()},
+                     options.memory_limit);
   options.host_scalar = host_scalar_for(points, options);
   // What is free now: by the time the samples are looked at, they take some of it.
+  options.samples.keeps_stages = options.keep_stages;
   options.samples.memory_limit =
       options.memory_limit > 0 ? options.memory_limit : available_bytes();
-  PointCloud cloud = prepare_samples(points, options.samples, progress);
+  FarStrays far_strays;
+  if (options.outliers.exclude)
+    far_strays = find_far_strays(points, options.outliers.far_strays, progress);
+  PointCloud cloud = prepare_samples(points, options.samples, progress, far_strays);
   result.conditioning = cloud.conditioning;
   log.add(Stage::samples, cloud.size());
 
   if (options.outliers.exclude) {
-    result.outliers = exclude_outliers(cloud, points, options.outliers, progress);
+    result.outliers = exclude_outliers(cloud, points, options.outliers, progress, far_strays);
     log.add(Stage::outliers, cloud.size());
   }
   result.spacing = cloud.frame.to_input_length(cloud.spacing);

@@ -39,7 +39,7 @@ std::string apply(Filter filter, MeshDocument& document, vcg::CallBackPos* callb
 
 MeshModel* add_cloud(MeshDocument& document, ShapeKind kind, int count,
                      const char* label = "scan.one.ply") {
-  MeshModel* layer = document.addNewMesh("", label, true);
+  MeshModel* layer = document.addNewMesh(label, label, true);  // as if it came from a file
   const std::vector<Vec3> points = sample_shape(kind, count, 1);
   vcg::tri::Allocator<CMeshO>::AddVertices(layer->cm, points.size());
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -270,6 +270,46 @@ TEST(Plugin, QualityOfTheSamplesIsTheirsToKeep) {
   ASSERT_EQ(apply(Filter::reconstruct, document, list), "");
   for (int i = 0; i < cloud->cm.vn; ++i)
     EXPECT_EQ(document.mm()->cm.vert[i].Q(), cloud->cm.vert[i].Q());
+}
+
+TEST(Plugin, ASurfaceHasTheColoursOfTheSamplesAroundEachVertex) {
+  MeshDocument document;
+  MeshModel* cloud = add_cloud(document, ShapeKind::sphere, 2000);
+  cloud->updateDataMask(MeshModel::MM_VERTCOLOR);
+  const vcg::Color4b left(255, 0, 0, 255), right(0, 0, 255, 255);
+  for (auto& vertex : cloud->cm.vert) vertex.C() = vertex.cP()[0] < 0 ? left : right;
+  RichParameterList list = parameters_for(Filter::reconstruct, document);
+  list.setValue("StopAtParametricSurface", BoolValue(true));
+  list.setValue("KeepStages", BoolValue(true));
+  ASSERT_EQ(apply(Filter::reconstruct, document, list), "");
+  ASSERT_GT(layer_count(document), 2u);
+  for (const MeshModel* layer : layers_of(document)) {
+    EXPECT_TRUE(layer->hasDataMask(MeshModel::MM_VERTCOLOR));
+    for (const auto& vertex : layer->cm.vert)
+      if (std::abs(vertex.cP()[0]) > 0.2)
+        EXPECT_TRUE(vertex.cC() == (vertex.cP()[0] < 0 ? left : right))
+            << layer->label().toStdString();
+  }
+}
+
+TEST(Plugin, OnlyTheEndingOfAFileIsLeftOutOfNames) {
+  MeshDocument document;
+  add_cloud(document, ShapeKind::sphere, 500)->setLabel("scan 1.1");
+  ASSERT_EQ(apply(Filter::reconstruct, document), "");
+  EXPECT_EQ(document.mm()->label().toStdString(), "scan 1.1 shrink wrap");
+}
+
+// A cloud that came with faces, and its strays, which have none.
+TEST(Plugin, OutliersAreNotProposedAsSamples) {
+  MeshDocument document;
+  MeshModel* cloud = add_cloud(document, ShapeKind::sphere, 1000);
+  vcg::tri::Allocator<CMeshO>::AddVertices(cloud->cm, 1)->P() = CMeshO::CoordType(9, 9, 9);
+  vcg::tri::Allocator<CMeshO>::AddFace(cloud->cm, 0, 1, 2);
+  ASSERT_EQ(apply(Filter::initial_mesh, document, parameters_for(Filter::initial_mesh, document)),
+            "");
+  ASSERT_EQ(layer_count(document), 3u);
+  const RichParameterList list = parameters_for(Filter::control_mesh, document);
+  EXPECT_EQ(chosen_layer(list, document, kSamplesLayer), cloud);
 }
 
 TEST(Plugin, DialogsOfTwoLayersProposeCloudAndMesh) {

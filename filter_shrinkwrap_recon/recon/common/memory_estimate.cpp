@@ -40,17 +40,22 @@ std::uint64_t available_bytes() {
   return 0;
 }
 
-void require_memory_for(std::uint64_t samples, std::uint64_t limit, int neighbours,
-                        bool keep_stages) {
+void require_memory_for(const RunSize& size, std::uint64_t limit) {
   const std::uint64_t available = limit > 0 ? limit : available_bytes();
-  const std::uint64_t needed = estimated_peak_bytes((keep_stages ? 2 : 1) * samples, neighbours);
+  const std::uint64_t of_stages = size.keeps_stages ? size.samples * kBytesPerSample : 0;
+  const std::uint64_t needed = estimated_peak_bytes(size.samples, size.neighbours) + of_stages;
   if (available == 0 || needed <= available) return;
-  throw InvalidInput("reconstructing " + std::to_string(samples) + " points" +
-                     (keep_stages ? " and keeping the mesh of every stage" : "") + " needs about " +
-                     in_gibibytes(needed) + " of memory, and " + in_gibibytes(available) +
-                     " are available: " + (keep_stages ? "keep no stages, " : "") +
-                     "close other programs, or thin the cloud out (for example with a point cloud "
-                     "simplification filter) and try again");
+  const std::string count = std::to_string(size.samples);
+  const std::string what =
+      size.is_of_mesh ? "a mesh of " + count + " vertices" : "reconstructing " + count + " points";
+  const std::string way_out =
+      size.is_of_mesh ? "choose a smaller mesh, or fewer subdivisions,"
+                      : "thin the cloud out (for example with a point cloud simplification filter)";
+  throw InvalidInput(what + (size.keeps_stages ? " and keeping the mesh of every stage" : "") +
+                     " needs about " + in_gibibytes(needed) + " of memory, and " +
+                     in_gibibytes(available) +
+                     " are available: " + (size.keeps_stages ? "keep no stages, " : "") +
+                     "close other programs, or " + way_out + " and try again");
 }
 
 }  // namespace shrinkwrap

@@ -16,10 +16,16 @@ std::uint64_t estimated_peak_bytes(std::uint64_t samples, int neighbours = 16);
 /// tell.
 std::uint64_t available_bytes();
 
-/// Throws InvalidInput, with both figures, if that many samples cannot fit.
-/// `limit`: bytes that may be used; 0 means what the machine has available (and no check where that
-/// is unknown). `keep_stages`: the meshes of the stages take as much again.
-void require_memory_for(std::uint64_t samples, std::uint64_t limit = 0, int neighbours = 16,
-                        bool keep_stages = false);
+/// What a run is to hold.
+struct RunSize {
+  std::uint64_t samples = 0;  ///< or vertices, if that is more
+  int neighbours = 16;        ///< of each
+  bool keeps_stages = false;  ///< the meshes of the stages take as much again
+  bool is_of_mesh = false;    ///< it is the vertices that are counted: for the message
+};
+
+/// Throws InvalidInput, with both figures, if a run cannot fit. `limit`: bytes that may be used; 0
+/// means what the machine has available (and no check where that is unknown).
+void require_memory_for(const RunSize& size, std::uint64_t limit = 0);
 
 }  // namespace shrinkwrap

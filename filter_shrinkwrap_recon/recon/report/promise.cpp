@@ -12,11 +12,13 @@ MeshReport check_promise(const ResultMesh& mesh, const std::vector<Vec3>& sample
       measure_mesh(mesh.position, mesh.triangles, samples, report_options, progress);
   if (is_counted) report.self_intersecting_faces = self_intersecting_faces;
 
-  const auto fail = [](const std::string& part) {
+  const auto fail = [&](const std::string& part) {
     throw ReconstructionFailed(
         "the mesh would not be " + part +
-        ": nothing was made. Try another voxel size or level for the initial mesh, remove "
-        "stray points, or stop at the parametric surface if the cloud is noisy.");
+        ": nothing was made. Try another voxel size or level for the initial mesh" +
+        (options.matches_samples
+             ? ", remove stray points, or stop at the parametric surface if the cloud is noisy."
+             : ", or remove stray points."));
   };
   if (!report.manifold()) fail("a 2-manifold");
   if (!report.closed() && !options.may_be_open) fail("closed");

@@ -16,6 +16,9 @@ struct ResultMesh {
   std::vector<Vec3> position;
   std::vector<Index>
       input_index;  ///< of each vertex in the caller's points; kNone if it is no sample
+  /// Of each vertex the point of the caller whose colour and other data it has (carried_data.h).
+  /// Empty: only samples have any, their own.
+  std::vector<Index> data_index;
   std::vector<Triangle> triangles;
   std::vector<float> vertex_quality;  ///< empty, or what to colour the vertices by
   std::vector<float> face_quality;    ///< empty, or what to colour the faces by

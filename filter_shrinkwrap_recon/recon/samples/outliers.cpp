@@ -333,11 +333,8 @@ void leave_out_copies(PointCloud& cloud, OutlierReport& report) {
   copies.erase(std::remove_if(copies.begin(), copies.end(), is_left_out), copies.end());
 }
 
-}  // namespace
-
-OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& points,
-                               const OutlierOptions& options, Progress& progress) {
-  progress.begin(Stage::outliers);
+OutlierReport exclude_from(PointCloud& cloud, const std::vector<Vec3>& points,
+                           const OutlierOptions& options, Progress& progress) {
   OutlierReport report;
   std::vector<Index> stray = find_outliers(cloud, options, progress);
   report.rounds = 1;
@@ -385,7 +382,19 @@ OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& point
   rest.conditioning = cloud.conditioning;
   cloud = std::move(rest);
   leave_out_copies(cloud, report);
-  std::sort(report.input_index.begin(), report.input_index.end());
+  return report;
+}
+
+}  // namespace
+
+OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& points,
+                               const OutlierOptions& options, Progress& progress,
+                               const FarStrays& far_strays) {
+  progress.begin(Stage::outliers);
+  OutlierReport report = exclude_from(cloud, points, options, progress);
+  std::vector<Index>& all = report.input_index;
+  all.insert(all.end(), far_strays.distinct.begin(), far_strays.distinct.end());
+  std::sort(all.begin(), all.end());
   return report;
 }
 

@@ -52,6 +52,8 @@ struct OutlierOptions {
   double foot = 0.25;
   double widest_gap = 4.0;  ///< that distance, x the larger of median and local spacing, at most
 
+  FarStrayOptions far_strays;  ///< which are found before the samples are prepared
+
   /// If more than this part of the samples seems stray, none is left out: what is so frequent is
   /// how the cloud was taken.
   double most = 0.2;
@@ -76,8 +78,10 @@ std::vector<Index> find_outliers(const PointCloud& cloud, const OutlierOptions& 
 /// points never been there, but for `conditioning` and `input_index`, which still speak of all
 /// points. So the rest of the points alone gives the same cloud. Pre: `cloud` was prepared from
 /// `points`. Where no cloud would be left that has a surface (fewer than 4
-/// samples, all in one plane), nothing is left out.
+/// samples, all in one plane), nothing is left out but the `far_strays`, which were before: the
+/// report names them too.
 OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& points,
-                               const OutlierOptions& options, Progress& progress);
+                               const OutlierOptions& options, Progress& progress,
+                               const FarStrays& far_strays = {});
 
 }  // namespace shrinkwrap

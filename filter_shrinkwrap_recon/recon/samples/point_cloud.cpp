@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
 #include <limits>
+#include <utility>
 
 #include "common/memory_estimate.h"
 #include "common/parallel.h"
@@ -27,6 +29,15 @@ std::vector<Index> finite_points(const std::vector<Vec3>& points, Progress& prog
                                    for (Index i = begin; i < end; ++i)
                                      if (points[i].allFinite()) out.push_back(i);
                                  });
+}
+
+// Both ascending.
+void leave_out(const std::vector<Index>& some, std::vector<Index>& indices) {
+  if (some.empty()) return;
+  std::vector<Index> left;
+  std::set_difference(indices.begin(), indices.end(), some.begin(), some.end(),
+                      std::back_inserter(left));
+  indices = std::move(left);
 }
 
 // Drops all but the first (in the input) of points with equal coordinates. In Morton order these
@@ -229,7 +240,7 @@ Frame unit_frame(const std::vector<Vec3>& points) {
 }
 
 PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions& options,
-                           Progress& progress) {
+                           Progress& progress, const FarStrays& far_strays) {
   progress.begin(Stage::samples);
   if (options.neighbours < 4)
     throw InvalidInput("the number of neighbours per sample is " +
@@ -243,6 +254,7 @@ PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions&
   progress.set_range(0.0, 0.05);
   std::vector<Index> input_index = finite_points(points, progress);
   cloud.conditioning.not_finite = points.size() - input_index.size();
+  leave_out(far_strays.all, input_index);
   {
     std::vector<Vec3> unit(input_index.size());
     const Index count = static_cast<Index>(unit.size());
@@ -254,7 +266,7 @@ PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions&
         without_duplicates(points, unit, input_index, morton_order(unit, progress), progress);
     input_index = {};
   }
-  cloud.conditioning.distinct = cloud.input_index.size();
+  cloud.conditioning.distinct = cloud.input_index.size() + far_strays.distinct.size();
   cloud.conditioning.duplicates =
       points.size() - cloud.conditioning.not_finite - cloud.conditioning.distinct;
   refuse_few(cloud.conditioning);
@@ -278,7 +290,8 @@ PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions&
   cloud.conditioning.on_lines = across > few;
   const int neighbours = std::max(options.neighbours, across);
   if (neighbours != options.neighbours) {
-    require_memory_for(cloud.input_index.size(), options.memory_limit, neighbours);
+    require_memory_for({cloud.input_index.size(), neighbours, options.keeps_stages},
+                       options.memory_limit);
     cloud.conditioning.neighbours_across_lines = neighbours;
   }
   progress.set_range(0.4, 1.0);

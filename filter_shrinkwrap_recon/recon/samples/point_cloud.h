@@ -8,6 +8,7 @@
 #include "common/progress.h"
 #include "common/types.h"
 #include "geometry/voxel_search.h"
+#include "samples/far_strays.h"
 #include "samples/near_copies.h"
 #include "samples/scan_lines.h"
 
@@ -40,6 +41,7 @@ struct SampleOptions {
   /// Bytes that a run may take, looked at again where there are more neighbours; 0: what the
   /// machine has available.
   std::uint64_t memory_limit = 0;
+  bool keeps_stages = false;  ///< so that it takes more: RunSize
 };
 
 /// An oriented plane near a sample: the point of the local surface and its unit normal (float: a
@@ -117,9 +119,10 @@ Frame unit_frame(const std::vector<Vec3>& points);
 /// Conditions points (leaves out what is not finite and exact duplicates), orders them, and
 /// computes neighbours, spacing and normals. Points are the caller's, in its own frame; they are
 /// copied, never changed. Throws InvalidInput if fewer than 4 distinct points are left, or if all
-/// are collinear or coplanar. O(N log N) comparisons at most, O(N) memory.
+/// are collinear or coplanar. `far_strays` are no samples, but `conditioning` speaks of them too.
+/// O(N log N) comparisons at most, O(N) memory.
 PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions& options,
-                           Progress& progress);
+                           Progress& progress, const FarStrays& far_strays = {});
 
 /// Whether the samples lie in the unit frame exactly where they lie among the points that they were
 /// prepared from; not so where coordinates are so small, beside others, that they vanish.
