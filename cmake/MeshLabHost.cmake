@@ -92,7 +92,8 @@ target_link_libraries(meshlab_host INTERFACE vcglib ${meshlab_common} Qt5::Core 
 function(stage_meshlab plugin)
   add_custom_command(
     TARGET ${plugin} POST_BUILD VERBATIM
-    COMMAND ${CMAKE_COMMAND} -DSTAGE=${PROJECT_BINARY_DIR}/stage -DLIBRARY_DIR=${meshlab_library_dir}
-            -DPLUGIN=$<TARGET_FILE:${plugin}> -P ${PROJECT_SOURCE_DIR}/cmake/StageMeshLab.cmake
+    COMMAND ${CMAKE_COMMAND} -DSTAGE=${PROJECT_BINARY_DIR}/stage -DPREFIX=${meshlab_prefix}
+            -DLIBRARY_DIR=${meshlab_library_dir} -DPLUGIN=$<TARGET_FILE:${plugin}>
+            -P ${PROJECT_SOURCE_DIR}/cmake/StageMeshLab.cmake
     COMMENT "Staging MeshLab with the plugin")
 endfunction()

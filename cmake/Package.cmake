@@ -40,6 +40,8 @@ set(document_destination share/doc/${package_name})
 install(FILES cmake/package/copyright README.md ${package_documents}/changelog.gz
               ${package_documents}/changelog.Debian.gz
         DESTINATION ${document_destination})
+install(DIRECTORY docs DESTINATION ${document_destination} FILES_MATCHING PATTERN "*.md" PATTERN "*.png"
+        PATTERN "*.svg")
 install(FILES sample_clouds/reconstruct.mlx DESTINATION ${document_destination}/examples)
 
 # --- the Debian package --------------------------------------------------------------------------------------------

@@ -1,14 +1,13 @@
-# cmake -DSTAGE=folder -DLIBRARY_DIR=/usr/lib/<triplet>/meshlab -DPLUGIN=file -P StageMeshLab.cmake
+# cmake -DSTAGE=folder -DPREFIX=/usr -DLIBRARY_DIR=/usr/lib/<triplet>/meshlab -DPLUGIN=file -P StageMeshLab.cmake
 #
 # The host looks for plugins relative to its own executable, symbolic links resolved: so the programs are copies, and
 # everything else is links into the installed MeshLab, with our plugin beside the stock ones.
-get_filename_component(prefix ${LIBRARY_DIR}/../../.. ABSOLUTE)  # /usr
-file(RELATIVE_PATH library_dir ${prefix} ${LIBRARY_DIR})
+file(RELATIVE_PATH library_dir ${PREFIX} ${LIBRARY_DIR})
 
 file(MAKE_DIRECTORY ${STAGE}/bin ${STAGE}/${library_dir}/plugins)
 foreach(program meshlab meshlabserver)
-  if(EXISTS ${prefix}/bin/${program})
-    file(COPY ${prefix}/bin/${program} DESTINATION ${STAGE}/bin)
+  if(EXISTS ${PREFIX}/bin/${program})
+    file(COPY ${PREFIX}/bin/${program} DESTINATION ${STAGE}/bin)
   else()
     file(REMOVE ${STAGE}/bin/${program})  # of the release that was installed before
   endif()

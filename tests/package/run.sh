@@ -41,7 +41,7 @@ passed "cmake --install with DESTDIR"
 
 # A MeshLab of which this prefix is the home.
 prefix=$work/prefix
-cmake -DSTAGE="$prefix" -DLIBRARY_DIR=/usr/"$(dirname "$(dirname "$plugin_path")")" -DPLUGIN= -P "$root/cmake/StageMeshLab.cmake"
+cmake -DSTAGE="$prefix" -DPREFIX=/usr -DLIBRARY_DIR=/usr/"$(dirname "$(dirname "$plugin_path")")" -DPLUGIN= -P "$root/cmake/StageMeshLab.cmake"
 rm -f "$prefix/$plugin_path" # if the package is installed here
 cmake --install "$build" --prefix "$prefix" >"$work/log"
 if [ ! -f "$prefix/$plugin_path" ] || [ -L "$prefix/$plugin_path" ]; then die "--prefix: no plugin in $plugin_path"; fi
