@@ -368,9 +368,10 @@ void tell_of(const OutlierReport& report, FilterOutcome& outcome) {
         count_of(count, "outlier") +
         " left out of the surface: points that lie apart from the rest. Switch Exclude outliers "
         "(ExcludeOutliers) off to keep them.");
-  else if (report.suspected > 0)
+  const Index left_in = report.suspected - count - report.on_surface;
+  if (left_in > 0)
     outcome.warnings.push_back(
-        "what seems stray is left in (" + count_of(report.suspected, "sample") +
+        "what seems stray is left in (" + count_of(left_in, "sample") +
         "): it is too much, or the others lie in a plane. Remove by hand what is no part of the "
         "surface.");
   if (report.on_surface > 0)

@@ -101,21 +101,29 @@ PointCloud prepare_to_match(const FilterInput& input, ReconstructionOptions opti
   return cloud;
 }
 
+// Whether any of some finite places is a vertex of the mesh.
+bool has_any_of(std::vector<Vec3> places, const ResultMesh& mesh) {
+  std::sort(places.begin(), places.end(), coordinates_less);
+  return std::any_of(mesh.position.begin(), mesh.position.end(), [&](const Vec3& p) {
+    return p.allFinite() && std::binary_search(places.begin(), places.end(), p, coordinates_less);
+  });
+}
+
 // Whether a near copy is a vertex of the mesh, as in one that is finished.
 bool has_near_copies(const FilterInput& input, const PointCloud& cloud) {
   std::vector<Vec3> copies;
   for (const NearCopy& pair : cloud.conditioning.near_copies)
     copies.push_back(input.points[pair.copy]);
-  std::sort(copies.begin(), copies.end(), coordinates_less);
-  return std::any_of(input.mesh.position.begin(), input.mesh.position.end(), [&](const Vec3& p) {
-    return p.allFinite() && std::binary_search(copies.begin(), copies.end(), p, coordinates_less);
-  });
+  return has_any_of(std::move(copies), input.mesh);
 }
 
 // As a mesh through them has them: with the outliers that the matching made samples again, and with
 // near copies if it has those already.
 PointCloud prepare_as_matched(const FilterInput& input, ReconstructionOptions options,
                               OutlierReport& outliers, Progress& progress) {
+  const FarStrays far_strays = find_far_strays(input.points, options.outliers.far_strays, progress);
+  if (has_any_of(points_at(input.points, far_strays.distinct), input.mesh))
+    options.outliers.far_strays.most = 0;
   PointCloud cloud = without_outliers(input, options, outliers, progress);
   if (has_near_copies(input, cloud)) {
     options.samples.near_copies.enabled = false;
@@ -515,11 +523,13 @@ FilterOutcome run_filter(Filter filter, const FilterRequest& request, const Filt
                                    : filter == Filter::initial_mesh && !is_robust(request.options)
                                        ? vertices_after(request.options.initial_mesh.levels)
                                        : 0;
+  // A finer surface than there are samples is theirs to answer for.
+  const bool is_of_mesh =
+      std::max(vertices, filter == Filter::initial_mesh ? subdivided : 0) > samples;
   if (filter != Filter::reconstruct && filter != Filter::distance_to_samples)
-    require_memory_for(
-        {std::max({samples, vertices, subdivided}), request.options.samples.neighbours, false,
-         std::max(vertices, subdivided) > samples},
-        request.options.memory_limit);
+    require_memory_for({std::max({samples, vertices, subdivided}),
+                        request.options.samples.neighbours, false, is_of_mesh},
+                       request.options.memory_limit);
 
   // What is free now: by the time the samples are looked at, they take some of it.
   FilterRequest limited = request;

@@ -1,6 +1,7 @@
 #include "filter_shrinkwrap_recon.h"
 
 #include <QFileInfo>
+#include <QRegularExpression>
 #include <initializer_list>
 #include <new>
 
@@ -105,11 +106,18 @@ std::string label_of(const MeshModel& layer) {
 // What the layers of outliers are called, after that of the samples.
 const char* const kOutliers = " outliers";
 
-// The layer's name, without the ending of the file that it was read from.
+// The layer's name, without the ending of the file that it was read from: "scan(1)" where the host
+// told a second layer of "scan.ply" from the first.
 QString base_name(const MeshModel& layer) {
-  if (layer.label() != layer.shortName()) return layer.label();
-  const QString base = QFileInfo(layer.label()).completeBaseName();
-  return base.isEmpty() ? layer.label() : base;
+  const QString suffix = QFileInfo(layer.shortName()).suffix(), ending = "." + suffix;
+  QString name = layer.label();
+  if (!suffix.isEmpty() && name.endsWith(ending) && name != ending) name.chop(ending.size());
+  return name;
+}
+
+bool is_of_outliers(const MeshModel& layer) {
+  static const QRegularExpression name(QString(kOutliers) + "(\\(\\d+\\))?$");
+  return name.match(layer.label()).hasMatch();
 }
 
 InvalidInput no_layer_for(const char* parameter) {
@@ -117,17 +125,18 @@ InvalidInput no_layer_for(const char* parameter) {
 }
 
 // The layers that a dialog starts with: the current one where it fits, else the first or last of
-// its kind. Outliers are no samples.
+// its kind. Outliers are no samples, unless there are no others.
 template <class Layer>
 Layer* proposed_layer(const std::vector<Layer*>& layers, Layer* current, bool with_faces) {
   const auto fits = [&](const Layer* layer) {
-    return (layer->cm.fn > 0) == with_faces && !layer->label().endsWith(kOutliers);
+    return (layer->cm.fn > 0) == with_faces && !is_of_outliers(*layer);
   };
   if (current != nullptr && fits(current)) return current;
   Layer* proposed = nullptr;
   for (Layer* layer : layers)
     if (fits(layer) && (with_faces || proposed == nullptr)) proposed = layer;
-  return proposed != nullptr ? proposed : layers.front();
+  if (proposed != nullptr) return proposed;
+  return layers.front();
 }
 
 // New layers, taken back unless the run succeeds.

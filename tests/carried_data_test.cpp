@@ -53,6 +53,17 @@ TEST(CarriedData, SamplesHaveTheirOwnAndOthersThatOfTheNearestThatIsNotLeftOut) 
   EXPECT_EQ(mesh.data_index, (std::vector<Index>{0, 0, 2}));
 }
 
+TEST(CarriedData, CopiesOfWhatIsLeftOutAreLeftOutToo) {
+  const Vec3 sentinel = Vec3::Constant(1e300);
+  const std::vector<Vec3> points = {sentinel, {1, 0, 0}, sentinel, {2, 0, 0}, sentinel};
+  ResultMesh mesh;
+  mesh.position = {{1.9, 0, 0}, {1.1, 0, 0}};
+  mesh.input_index = {kNone, kNone};
+  Progress silent;
+  carry_data(mesh, points, {0}, silent);
+  EXPECT_EQ(mesh.data_index, (std::vector<Index>{3, 1}));
+}
+
 TEST(CarriedData, IsNotAskedForWhereEveryVertexIsASample) {
   ResultMesh mesh;
   mesh.position = {{2, 0, 0}};

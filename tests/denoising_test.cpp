@@ -94,6 +94,25 @@ TEST(Denoising, WhatNoiseBlursIsMadeUpFor) {
   EXPECT_LT(std::abs(outward(1.0)), 0.4 * std::abs(blurred));
 }
 
+// Of a sphere a fifth is clean.
+TEST(Denoising, WhatIsCleanIsNotMadeUpFor) {
+  const std::vector<Vec3> clean = sample_shape(ShapeKind::sphere, 2000, 4),
+                          noisy = sample_noisy_shape(ShapeKind::sphere, 2000, 4, 0.6);
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < clean.size(); ++i)
+    points.push_back(clean[i].z() > 0.6 ? clean[i] : noisy[i]);
+  const PointCloud after = denoised(points);
+  double outward = 0.0;
+  Index count = 0;
+  for (Index i = 0; i < after.size(); ++i) {
+    if (clean[after.input_index[i]].z() < 0.75) continue;
+    outward += after.frame.to_input(after.position[i]).norm() - 1.0;
+    ++count;
+  }
+  const double spacing = after.frame.to_input_length(after.spacing);
+  EXPECT_LT(std::abs(outward / count), 0.01 * spacing);
+}
+
 TEST(Denoising, LeavesDetailWhereItIs) {
   const Shape box = shape_of(ShapeKind::box);
   const std::vector<Vec3> points = sample_shape(ShapeKind::box, 6000, 2);
@@ -357,7 +376,7 @@ TEST(Denoising, IsForSurfacesAtWhichRunsStop) {
 // Few samples on both sides of a plate: planes mix them up where quadrics do not.
 TEST(Denoising, ParallelSheetsOfFewSamplesArePartedInASecondAttempt) {
   int taken = 0, with_extra = 0;
-  for (unsigned seed = 1; seed <= 20; ++seed) {
+  for (unsigned seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(seed);
     const std::vector<Vec3> points = sample_shape(ShapeKind::thin_plate, 120, seed);
     const Reconstruction result = reconstruct_with(points, {});
@@ -367,8 +386,8 @@ TEST(Denoising, ParallelSheetsOfFewSamplesArePartedInASecondAttempt) {
     EXPECT_EQ(result.report.samples_matched, 120);
     with_extra += result.report.vertices_extra > 0;
   }
-  EXPECT_GE(taken, 2);
-  EXPECT_LE(with_extra, 2) << "whose sides face the same way, as those of an open sheet";
+  EXPECT_GE(taken, 4);
+  EXPECT_LE(with_extra, 4) << "whose sides face the same way, as those of an open sheet";
 }
 
 }  // namespace

@@ -69,6 +69,44 @@ TEST(FarStrays, AreLeftOutOfTheSurface) {
   EXPECT_EQ(result.mesh.triangles, alone.mesh.triangles);
 }
 
+// Files may hold little else.
+TEST(FarStrays, AreFoundAmongManyCopiesAndPointsThatAreNone) {
+  std::vector<Vec3> points(200000, Vec3::Constant(std::nan("")));
+  for (std::size_t i = 0; i < points.size(); i += 2) points[i] = Vec3::Constant(1e12);
+  const std::vector<Vec3> sphere = sphere_at({0, 0, 0}, 400);
+  points.insert(points.end(), sphere.begin(), sphere.end());
+  EXPECT_EQ(strays_of(points).all.size(), 100000u);
+  EXPECT_EQ(strays_of(points).distinct, (std::vector<Index>{0}));
+}
+
+// Whoever kept them in the mesh means them.
+TEST(FarStrays, WhatIsAVertexOfTheMeshIsASample) {
+  FilterInput input;
+  input.points = with(in_single_precision(sample_shape(ShapeKind::sphere, 1500, 6)),
+                      in_single_precision({{4e4, 0, 0}}));
+  EXPECT_EQ(run(Filter::initial_mesh, input).outliers.input_index, (std::vector<Index>{17}));
+  const FilterInput mesh =
+      through_layer(input.points, run(Filter::reconstruct, input, {{"ExcludeOutliers", 0}}));
+  const FilterOutcome edges = run(Filter::edge_optimisation, mesh);
+  EXPECT_EQ(std::get<Index>(edges.figures.at("samples_matched")), 1501);
+}
+
+// A haze that is too much to be left out is told beside them.
+TEST(FarStrays, SuspectsThatStayAreTold) {
+  FilterInput input;
+  input.points = in_single_precision(sample_shape(ShapeKind::sphere, 4000, 15));
+  Random random(16);
+  for (int i = 0; i < 1500; ++i) input.points.push_back(rounded_to_single(6.0 * random.in_cube()));
+  const FilterOutcome haze = run(Filter::initial_mesh, input);
+  ASSERT_TRUE(is_in(haze.warnings, "what seems stray is left in"));
+  input.points.push_back({1e9, 0, 0});
+  const FilterOutcome both = run(Filter::initial_mesh, input);
+  EXPECT_TRUE(is_in(both.warnings, "what seems stray is left in"));
+  EXPECT_TRUE(is_in(both.warnings, "1 outlier left out"));
+  EXPECT_FALSE(
+      is_in(run(Filter::initial_mesh, {sphere_at({0, 0, 0}, 1500), {}}).warnings, "stray"));
+}
+
 TEST(FarStrays, EveryFilterLeavesThemOutUnlessTheyAreToStay) {
   FilterInput input;
   input.points = with(in_single_precision(sample_shape(ShapeKind::sphere, 1500, 6)),

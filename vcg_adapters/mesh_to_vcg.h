@@ -15,6 +15,14 @@ namespace internal {
 
 constexpr std::size_t kNoVertex = static_cast<std::size_t>(-1);
 
+// Whether vertices have more than a place.
+template <class CloudMesh>
+bool carries_data(const CloudMesh& cloud) {
+  return vcg::tri::HasPerVertexColor(cloud) || vcg::tri::HasPerVertexQuality(cloud) ||
+         vcg::tri::HasPerVertexRadius(cloud) || vcg::tri::HasPerVertexTexCoord(cloud) ||
+         !cloud.vert_attr.empty();
+}
+
 // Copies the custom per-vertex attributes of exactly one type, by sample. (The library's own
 // look-up takes any type of the same size for it.)
 template <class Value, class CloudMesh, class Mesh>

@@ -1,6 +1,8 @@
 // The whole method in one call, for programs on vcglib.
 #pragma once
 
+#include <tbb/task_arena.h>
+
 #include <type_traits>
 
 #include "mesh_to_vcg.h"
@@ -32,7 +34,11 @@ Reconstruction shrinkwrap_reconstruct(const CloudMesh& cloud, Mesh& mesh,
   const VcgPoints points = points_from_vcg(cloud, selected_only);
   Progress progress(progress_from_vcg(callback), stages_of(options));
   Reconstruction result = reconstruct(points.points, options, progress);
-  carry_data(result.mesh, points.points, result.outliers.input_index, progress);
+  if (internal::carries_data(cloud)) {
+    tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+    arena.execute(
+        [&] { carry_data(result.mesh, points.points, result.outliers.input_index, progress); });
+  }
   mesh_to_vcg(result.mesh, cloud, points, mesh);
   result.mesh = ResultMesh();
   return result;

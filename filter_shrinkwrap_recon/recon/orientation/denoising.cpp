@@ -332,10 +332,12 @@ class Denoiser {
     for (int entry = 0; entry < std::min(kPooled, cloud_.neighbour_count); ++entry) {
       const Index other = cloud_.neighbours_of(sample)[entry];
       if (other != sample && !(normal_[other].dot(normal_[sample]) > least_cosine)) continue;
-      sum += bend_[other];
-      count += 1.0;
+      sum += bend_[other] * scale_at(other);
+      count += scale_at(sample);
     }
-    const double noise = options_.tangential_noise * typical_at(sample);
+    // No more than there is around the sample: what is clean stays.
+    const double noise =
+        options_.tangential_noise * std::min(typical_at(sample), less_detail(sample));
     const double most = options_.most_blur * noise;
     return std::clamp(noise * noise * sum / count, -most, most);
   }

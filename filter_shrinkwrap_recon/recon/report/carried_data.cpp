@@ -1,8 +1,10 @@
 #include "report/carried_data.h"
 
-#include <limits>
+#include <algorithm>
 
+#include "geometry/coordinate_matches.h"
 #include "report/nearest_points.h"
+#include "samples/point_cloud.h"
 
 namespace shrinkwrap {
 
@@ -12,14 +14,26 @@ void carry_data(ResultMesh& mesh, const std::vector<Vec3>& points,
   for (std::size_t v = 0; v < mesh.position.size(); ++v)
     if (mesh.input_index[v] == kNone) places.push_back(mesh.position[v]);
   if (places.empty()) return;
-  std::vector<Vec3> candidates = points;
-  for (const Index i : left_out)
-    candidates[i] = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+  // Nor are copies of what was left out.
+  std::vector<Vec3> stray = points_at(points, left_out);
+  std::sort(stray.begin(), stray.end(), coordinates_less);
+  std::vector<Vec3> candidates;
+  std::vector<Index> candidate_index;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!points[i].allFinite() ||
+        std::binary_search(stray.begin(), stray.end(), points[i], coordinates_less))
+      continue;
+    candidates.push_back(points[i]);
+    candidate_index.push_back(static_cast<Index>(i));
+  }
   const std::vector<NearestPoint> nearest = nearest_points(candidates, places, progress);
   mesh.data_index = mesh.input_index;
   auto next = nearest.begin();
-  for (Index& source : mesh.data_index)
-    if (source == kNone) source = (next++)->index;
+  for (Index& source : mesh.data_index) {
+    if (source != kNone) continue;
+    if (next->index != kNone) source = candidate_index[next->index];
+    ++next;
+  }
 }
 
 }  // namespace shrinkwrap

@@ -10,11 +10,11 @@ namespace {
 
 constexpr Index kGrain = 1 << 14;
 constexpr std::size_t kProbes = 4096, kLeastSamples = 64;
+constexpr std::size_t kAlways = 4;  // fewer are strays, however few points there are
 constexpr double kTenth = 0.1;
 
-// Some of the distinct points, that stand for all.
-std::vector<Vec3> probes_of(const std::vector<Vec3>& points) {
-  const std::size_t stride = std::max<std::size_t>(points.size() / kProbes, 1);
+// Every so many-th of the points, each place once: they stand for all.
+std::vector<Vec3> probes_of(const std::vector<Vec3>& points, std::size_t stride) {
   std::vector<Vec3> probes;
   for (std::size_t i = 0; i < points.size(); i += stride)
     if (points[i].allFinite()) probes.push_back(points[i]);
@@ -52,7 +52,9 @@ FarStrays find_far_strays(const std::vector<Vec3>& points, const FarStrayOptions
                           Progress& progress) {
   progress.begin(Stage::samples);
   progress.set_range(0.0, 0.0);
-  const std::vector<Vec3> probes = probes_of(points);
+  std::size_t stride = std::max<std::size_t>(points.size() / kProbes, 1);
+  std::vector<Vec3> probes = probes_of(points, stride);
+  if (probes.size() < kLeastSamples && stride > 1) probes = probes_of(points, stride = 1);
   if (probes.size() < kLeastSamples) return {};
   const Middle middle = middle_of(probes);
   if (!(middle.extent > 0.0)) return {};
@@ -74,9 +76,9 @@ FarStrays find_far_strays(const std::vector<Vec3>& points, const FarStrayOptions
                                     [&](Index a, Index b) { return points[a] == points[b]; }),
                         strays.distinct.end());
   std::sort(strays.distinct.begin(), strays.distinct.end());
-  const std::size_t most =
-      std::min<std::size_t>(static_cast<std::size_t>(options.most), points.size() / 100);
-  if (strays.distinct.size() >= std::max<std::size_t>(most, 4)) return {};
+  const std::size_t most = std::min(static_cast<std::size_t>(std::max(options.most, Index{0})),
+                                    std::max(probes.size() * stride / 100, kAlways));
+  if (strays.distinct.size() >= most) return {};
   return strays;
 }
 

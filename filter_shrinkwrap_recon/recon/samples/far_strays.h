@@ -13,7 +13,8 @@ struct FarStrayOptions {
   /// of all but a fifth of the points along each axis: beside it the others would have less than a
   /// ten-thousandth of the unit frame, and their spacing about what single precision resolves.
   double times_extent = 1e4;
-  Index most = 30;  ///< distinct points; so many, or a hundredth of all, are no strays
+  /// Distinct points: so many are no strays, nor are a hundredth of all, if that is 4 or more.
+  Index most = 30;
 };
 
 struct FarStrays {

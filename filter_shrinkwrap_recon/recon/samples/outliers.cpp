@@ -392,6 +392,7 @@ OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& point
                                const FarStrays& far_strays) {
   progress.begin(Stage::outliers);
   OutlierReport report = exclude_from(cloud, points, options, progress);
+  report.suspected += static_cast<Index>(far_strays.distinct.size());
   std::vector<Index>& all = report.input_index;
   all.insert(all.end(), far_strays.distinct.begin(), far_strays.distinct.end());
   std::sort(all.begin(), all.end());
