@@ -101,29 +101,21 @@ PointCloud prepare_to_match(const FilterInput& input, ReconstructionOptions opti
   return cloud;
 }
 
-// Whether any of some finite places is a vertex of the mesh.
-bool has_any_of(std::vector<Vec3> places, const ResultMesh& mesh) {
-  std::sort(places.begin(), places.end(), coordinates_less);
-  return std::any_of(mesh.position.begin(), mesh.position.end(), [&](const Vec3& p) {
-    return p.allFinite() && std::binary_search(places.begin(), places.end(), p, coordinates_less);
-  });
-}
-
 // Whether a near copy is a vertex of the mesh, as in one that is finished.
 bool has_near_copies(const FilterInput& input, const PointCloud& cloud) {
   std::vector<Vec3> copies;
   for (const NearCopy& pair : cloud.conditioning.near_copies)
     copies.push_back(input.points[pair.copy]);
-  return has_any_of(std::move(copies), input.mesh);
+  std::sort(copies.begin(), copies.end(), coordinates_less);
+  return std::any_of(input.mesh.position.begin(), input.mesh.position.end(), [&](const Vec3& p) {
+    return p.allFinite() && std::binary_search(copies.begin(), copies.end(), p, coordinates_less);
+  });
 }
 
 // As a mesh through them has them: with the outliers that the matching made samples again, and with
 // near copies if it has those already.
 PointCloud prepare_as_matched(const FilterInput& input, ReconstructionOptions options,
                               OutlierReport& outliers, Progress& progress) {
-  const FarStrays far_strays = find_far_strays(input.points, options.outliers.far_strays, progress);
-  if (has_any_of(points_at(input.points, far_strays.distinct), input.mesh))
-    options.outliers.far_strays.most = 0;
   PointCloud cloud = without_outliers(input, options, outliers, progress);
   if (has_near_copies(input, cloud)) {
     options.samples.near_copies.enabled = false;

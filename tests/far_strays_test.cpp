@@ -79,7 +79,7 @@ TEST(FarStrays, AreFoundAmongManyCopiesAndPointsThatAreNone) {
   EXPECT_EQ(strays_of(points).distinct, (std::vector<Index>{0}));
 }
 
-// Whoever kept them in the mesh means them.
+// Where such a point was kept it stays a sample, as all outliers do that are vertices.
 TEST(FarStrays, WhatIsAVertexOfTheMeshIsASample) {
   FilterInput input;
   input.points = with(in_single_precision(sample_shape(ShapeKind::sphere, 1500, 6)),
