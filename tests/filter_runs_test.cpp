@@ -258,15 +258,24 @@ TEST(FilterRuns, EveryStageLeavesOutTheSameStrays) {
   }
 }
 
+// What the log says was taken, the chain is to be told.
 TEST(FilterRuns, ChainThroughTheSamplesOfANoisyCloudGivesTheBytesOfTheOneShot) {
   SampleDefects defects;
   defects.noise = 1.0;
-  FilterInput input;
-  input.points = in_single_precision(sample_shape(ShapeKind::bowl, 2500, 3, defects));
-  const FilterOutcome one_shot = run(Filter::reconstruct, input);
-  ASSERT_TRUE(is_told(one_shot, "with a surface smoothed for the noise"));
-  ASSERT_TRUE(is_told(one_shot, "and taken"));
-  expect_same_bytes(one_shot.mesh, run_chain(input.points, {{"SmoothForNoise", 1}}).mesh);
+  for (const unsigned seed : {1u, 3u}) {
+    FilterInput input;
+    input.points = in_single_precision(sample_shape(ShapeKind::bowl, 2500, seed, defects));
+    const FilterOutcome one_shot = run(Filter::reconstruct, input);
+    const auto is_taken = [&](const char* what) {
+      return std::any_of(one_shot.log.begin(), one_shot.log.end(), [&](const std::string& line) {
+        return is_in({line}, what) && is_in({line}, "and taken");
+      });
+    };
+    ASSERT_TRUE(is_taken("with a surface smoothed for the noise"));
+    ParameterValues changed = {{"SmoothForNoise", 1}};
+    changed["BacksAreOpenings"] = is_taken("with the backs of sheets") ? 1 : 0;
+    expect_same_bytes(one_shot.mesh, run_chain(input.points, changed).mesh);
+  }
 }
 
 TEST(FilterRuns, ChainOverASheetGivesTheBytesOfTheOneShot) {
