@@ -515,13 +515,10 @@ FilterOutcome run_filter(Filter filter, const FilterRequest& request, const Filt
                                    : filter == Filter::initial_mesh && !is_robust(request.options)
                                        ? vertices_after(request.options.initial_mesh.levels)
                                        : 0;
-  // A finer surface than there are samples is theirs to answer for.
-  const bool is_of_mesh =
-      std::max(vertices, filter == Filter::initial_mesh ? subdivided : 0) > samples;
   if (filter != Filter::reconstruct && filter != Filter::distance_to_samples)
-    require_memory_for({std::max({samples, vertices, subdivided}),
-                        request.options.samples.neighbours, false, is_of_mesh},
-                       request.options.memory_limit);
+    require_memory_for(
+        {samples, request.options.samples.neighbours, false, std::max(vertices, subdivided)},
+        request.options.memory_limit);
 
   // What is free now: by the time the samples are looked at, they take some of it.
   FilterRequest limited = request;

@@ -125,7 +125,7 @@ InvalidInput no_layer_for(const char* parameter) {
 }
 
 // The layers that a dialog starts with: the current one where it fits, else the first or last of
-// its kind. Outliers are no samples, unless there are no others.
+// its kind, or the first of all. Outliers are no samples.
 template <class Layer>
 Layer* proposed_layer(const std::vector<Layer*>& layers, Layer* current, bool with_faces) {
   const auto fits = [&](const Layer* layer) {

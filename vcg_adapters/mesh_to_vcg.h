@@ -15,7 +15,7 @@ namespace internal {
 
 constexpr std::size_t kNoVertex = static_cast<std::size_t>(-1);
 
-// Whether vertices have more than a place.
+// Whether vertices have data that others could have too; components of other kinds do not count.
 template <class CloudMesh>
 bool carries_data(const CloudMesh& cloud) {
   return vcg::tri::HasPerVertexColor(cloud) || vcg::tri::HasPerVertexQuality(cloud) ||

@@ -172,9 +172,8 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
   Reconstruction result;
   StageLog log(result, options);
 
-  std::uint64_t size = points.size();
-  if (!is_robust(options)) size = std::max(size, vertices_after(options.initial_mesh.levels));
-  require_memory_for({size, options.samples.neighbours, options.keep_stages, size > points.size()},
+  const std::uint64_t of_box = is_robust(options) ? 0 : vertices_after(options.initial_mesh.levels);
+  require_memory_for({points.size(), options.samples.neighbours, options.keep_stages, of_box},
                      options.memory_limit);
   options.host_scalar = host_scalar_for(points, options);
   // What is free now: by the time the samples are looked at, they take some of it.

@@ -42,20 +42,21 @@ std::uint64_t available_bytes() {
 
 void require_memory_for(const RunSize& size, std::uint64_t limit) {
   const std::uint64_t available = limit > 0 ? limit : available_bytes();
-  const std::uint64_t of_stages = size.keeps_stages ? size.samples * kBytesPerSample : 0;
-  const std::uint64_t needed = estimated_peak_bytes(size.samples, size.neighbours) + of_stages;
+  const bool is_of_mesh = size.vertices > size.samples;
+  const std::uint64_t elements = std::max(size.samples, size.vertices);
+  const std::uint64_t of_stages = size.keeps_stages ? elements * kBytesPerSample : 0;
+  const std::uint64_t needed = estimated_peak_bytes(elements, size.neighbours) + of_stages;
   if (available == 0 || needed <= available) return;
-  const std::string count = std::to_string(size.samples);
-  const std::string what =
-      size.is_of_mesh ? "a mesh of " + count + " vertices" : "reconstructing " + count + " points";
-  const std::string way_out =
-      size.is_of_mesh ? "choose a smaller mesh, or fewer subdivisions,"
-                      : "thin the cloud out (for example with a point cloud simplification filter)";
+  const std::string what = is_of_mesh
+                               ? "a mesh of " + std::to_string(size.vertices) + " vertices"
+                               : "reconstructing " + std::to_string(size.samples) + " points";
   throw InvalidInput(what + (size.keeps_stages ? " and keeping the mesh of every stage" : "") +
                      " needs about " + in_gibibytes(needed) + " of memory, and " +
                      in_gibibytes(available) +
                      " are available: " + (size.keeps_stages ? "keep no stages, " : "") +
-                     "close other programs, or " + way_out + " and try again");
+                     (is_of_mesh ? "choose a smaller mesh or fewer subdivisions, " : "") +
+                     "close other programs, or thin the cloud out (for example with a point cloud "
+                     "simplification filter) and try again");
 }
 
 }  // namespace shrinkwrap

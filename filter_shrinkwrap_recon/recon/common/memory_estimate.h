@@ -18,10 +18,10 @@ std::uint64_t available_bytes();
 
 /// What a run is to hold.
 struct RunSize {
-  std::uint64_t samples = 0;  ///< or vertices, if that is more
-  int neighbours = 16;        ///< of each
-  bool keeps_stages = false;  ///< the meshes of the stages take as much again
-  bool is_of_mesh = false;    ///< it is the vertices that are counted: for the message
+  std::uint64_t samples = 0;
+  int neighbours = 16;         ///< of each
+  bool keeps_stages = false;   ///< the meshes of the stages take as much again
+  std::uint64_t vertices = 0;  ///< of a mesh that may have more: then these count as samples do
 };
 
 /// Throws InvalidInput, with both figures, if a run cannot fit. `limit`: bytes that may be used; 0

@@ -51,10 +51,10 @@ struct DenoisingReport {
 /// itself: where there is little noise it stays, whatever the quadrics make of an edge. Height and
 /// slopes are filtered each on its own. The noise is measured around each sample. Flat parts are
 /// smoothed over hundreds of samples, detail and edges over few. What is curved lies farther out
-/// than quadrics pass, by the square of the noise along the surface times its mean curvature: that
-/// noise blurs it, as heat spreads, and a height field is an average over it. Where there is more
-/// noise (`more_noise`, if that was measured), neighbourhoods are as large as in one that has so
-/// much.
+/// than quadrics pass, by the square of the noise along the surface (of what is typical, or of that
+/// around it if that is less) times its mean curvature: that noise blurs it, as heat spreads, and a
+/// height field is an average over it. Where there is more noise (`more_noise`, if that was
+/// measured), neighbourhoods are as large as in one that has so much.
 ///
 /// `noise`: `NoiseEstimate::of_others`. `neighbours`: per sample, from then on. Pre:
 /// `orient_normals` was called on the cloud. Post: `is_denoised()`; positions, their order,

@@ -10,7 +10,7 @@ namespace {
 
 constexpr Index kGrain = 1 << 14;
 constexpr std::size_t kProbes = 4096, kLeastSamples = 64;
-constexpr std::size_t kAlways = 4;  // fewer are strays, however few points there are
+constexpr std::size_t kAlways = 4;  // fewer are strays, also of less than 400 points
 constexpr double kTenth = 0.1;
 
 // Every so many-th of the points, each place once: they stand for all.

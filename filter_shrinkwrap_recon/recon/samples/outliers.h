@@ -63,8 +63,9 @@ struct OutlierOptions {
 
 struct OutlierReport {
   std::vector<Index> input_index;  ///< of the samples left out, ascending
-  Index suspected = 0;   ///< more than that if none was left out: so many seemed stray, or the
-                         ///< others would lie in a plane
+  /// That seemed stray, near copies not counted: those that are neither left out nor `on_surface`
+  /// stay, since they are too many, or the others would lie in a plane.
+  Index suspected = 0;
   int rounds = 0;        ///< of the search
   Index on_surface = 0;  ///< that were left out, and are samples again: not among `input_index`
 };
