@@ -156,9 +156,8 @@ class Classification {
       if (active > limit)
         throw ReconstructionFailed(
             "the surface over the openings of the cloud would be far larger than the surface "
-            "itself: raise the inside level, remove stray points, or reconstruct one part of the "
-            "cloud "
-            "at a time");
+            "itself: raise the inside level, remove stray points, or reconstruct one part of "
+            "the cloud at a time");
       const Index known = image.bricks.size();
       for (const BrickKey key : unknown_around(front, progress)) image.add(brick_of_key(key));
       const Index count = image.bricks.size() - known;
