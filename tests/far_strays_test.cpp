@@ -116,7 +116,21 @@ TEST(FarStrays, EveryFilterLeavesThemOutUnlessTheyAreToStay) {
   const FilterInput mesh = through_layer(input.points, run(Filter::reconstruct, input));
   const FilterOutcome report = run(Filter::matching_report, mesh, {{"FailIfIncomplete", 1}});
   EXPECT_EQ(std::get<Index>(report.figures.at("samples_matched")), 1500);
-  EXPECT_THROW(run(Filter::reconstruct, input, {{"ExcludeOutliers", 0}}), InvalidInput);
+  try {
+    run(Filter::reconstruct, input, {{"ExcludeOutliers", 0}});
+    FAIL() << "no surface could be told";
+  } catch (const InvalidInput& error) {
+    EXPECT_TRUE(is_in({error.what()}, "told with 1 of them ten thousand times")) << error.what();
+  }
+  std::vector<Vec3> flat = input.points;
+  for (std::size_t i = 0; i < flat.size(); ++i)
+    if (i != 17) flat[i].z() = 0.0;
+  try {
+    run(Filter::reconstruct, {flat, {}});
+    FAIL() << "they are flat";
+  } catch (const InvalidInput& error) {
+    EXPECT_TRUE(is_in({error.what()}, " but 1 (ten thousand times as far away as the others reach, left out)")) << error.what();
+  }
 }
 
 }  // namespace

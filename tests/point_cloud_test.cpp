@@ -211,6 +211,21 @@ TEST(PrepareSamples, RefusesLinesAndPlanes) {
   }
 }
 
+// Rounding moves points along the axes on which their coordinates are large, and no others.
+TEST(PrepareSamples, LevelGroundFarNorthIsNotFlat) {
+  std::vector<Vec3> ground, flat, whole_numbers;
+  for (const Vec3& p : sample_shape(ShapeKind::box, 2000, 4)) {
+    const double x = 4e5 + 500.0 * p.x(), y = 5.5e6 + 500.0 * p.y();
+    const double relief = 0.3 * std::sin(7.0 * p.x()) * std::cos(5.0 * p.y());
+    ground.push_back(rounded_to_single({x, y, 100.0 + relief}));
+    flat.push_back(rounded_to_single({x, y, 100.0 + 1e-5 * p.z()}));
+    whole_numbers.emplace_back(std::round(x), std::round(y), p.z() > 0.0 ? 1.0 : 0.0);
+  }
+  EXPECT_NO_THROW(prepare(ground));
+  EXPECT_NO_THROW(prepare(whole_numbers));
+  EXPECT_THROW(prepare(flat), InvalidInput);
+}
+
 TEST(PrepareSamples, RefusesTooFewNeighbours) {
   EXPECT_THROW(prepare(tetrahedron(), 3), InvalidInput);
 }

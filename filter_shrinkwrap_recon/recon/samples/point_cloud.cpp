@@ -94,36 +94,51 @@ bool is_float(double x) {
 
 // What coordinates have in common.
 struct Digits {
-  double largest = 0.0;
+  Vec3 largest = Vec3::Zero();  // per axis, without its sign
   bool are_floats = true;
   Digits& operator+=(const Digits& other) {
-    largest = std::max(largest, other.largest);
+    largest = largest.cwiseMax(other.largest);
     are_floats = are_floats && other.are_floats;
     return *this;
   }
 };
 
 Digits digits_of(const Vec3& p) {
-  return {p.cwiseAbs().maxCoeff(), is_float(p.x()) && is_float(p.y()) && is_float(p.z())};
+  return {p.cwiseAbs(), is_float(p.x()) && is_float(p.y()) && is_float(p.z())};
 }
 
-// How far rounding may have moved a point, in the unit frame: the coordinates may be floats or
-// doubles.
-double rounding_of_input(const std::vector<Vec3>& points, const PointCloud& cloud,
-                         Progress& progress) {
+// How far rounding may have moved a point along each axis, in the unit frame: the coordinates may
+// be floats or doubles.
+struct Rounding {
+  Vec3 along_axes = Vec3::Zero();
+  double least = 0.0;  // of all: what the digits resolve of the whole extent
+};
+
+Rounding rounding_of_input(const std::vector<Vec3>& points, const PointCloud& cloud,
+                           Progress& progress) {
   const auto extremes =
       parallel_sum<Digits>(cloud.size(), kGrain, progress, Digits(), [&](Index begin, Index end) {
         Digits some;
         for (Index i = begin; i < end; ++i) some += digits_of(points[cloud.input_index[i]]);
         return some;
       });
-  const double unit_roundoff = extremes.are_floats ? std::ldexp(1.0, -24) : std::ldexp(1.0, -53);
-  return 2.0 * unit_roundoff * extremes.largest * cloud.frame.scale + 1e-12;
+  const double last_digit = std::ldexp(1.0, extremes.are_floats ? -23 : -52);
+  return {last_digit * cloud.frame.scale * extremes.largest, std::max(last_digit, 1e-12)};
 }
 
 // Of the samples, from the plane and from the line that fit them best: the farthest.
 struct Extent {
   double from_plane, from_line;
+  Vec3 normal;  // of the plane
+
+  // Whether rounding may have moved the samples off one plane, or off one line. Heights of level
+  // ground are exact however far north it lies.
+  bool is_flat(const Rounding& rounding) const {
+    return !(from_plane > normal.cwiseAbs().dot(rounding.along_axes) + rounding.least);
+  }
+  bool is_line(const Rounding& rounding) const {
+    return !(from_line > rounding.along_axes.maxCoeff() + rounding.least);
+  }
 };
 
 Extent extent_of(const PointCloud& cloud, Progress& progress) {
@@ -157,23 +172,32 @@ Extent extent_of(const PointCloud& cloud, Progress& progress) {
         }
         return box;
       }).high;
-  return {farthest.x(), farthest.y()};
+  return {farthest.x(), farthest.y(), axes.col(0)};
 }
 
 // A closed surface needs samples on all sides: refuses what is flat up to the rounding of its
-// coordinates.
-void refuse_flat(const PointCloud& cloud, double tolerance, Progress& progress) {
+// coordinates. Stray points may be why it is, or why it does not look so.
+void refuse_flat(const std::vector<Vec3>& points, const PointCloud& cloud, const Rounding& rounding,
+                 const FarStrays& left_out, Progress& progress) {
   const Extent extent = extent_of(cloud, progress);
-  if (extent.from_plane > tolerance) return;
-  throw InvalidInput("all " + std::to_string(cloud.size()) + " distinct points lie " +
-                     (extent.from_line > tolerance ? "in one plane" : "on one line") +
-                     ": no closed surface passes through them. Add points off it, or triangulate "
-                     "flat points with a planar method.");
+  if (!extent.is_flat(rounding)) return;
+  const std::size_t strays = find_far_strays(points, {}, progress).distinct.size();
+  const std::string count = std::to_string(strays);
+  const std::string far = "ten thousand times as far away as the others reach";
+  std::string what =
+      "all " + std::to_string(cloud.size() + left_out.distinct.size()) + " distinct points";
+  if (!left_out.all.empty()) what += " but " + count + " (" + far + ", left out)";
+  what += extent.is_line(rounding) ? " lie on one line" : " lie in one plane";
+  if (strays > 0 && left_out.all.empty())
+    throw InvalidInput(what + ", as far as can be told with " + count + " of them " + far +
+                       ". Let outliers be excluded, or delete points that are no measurements.");
+  throw InvalidInput(what + ": no closed surface passes through them. Add points off it, or " +
+                     "triangulate flat points with a planar method.");
 }
 
 // Leaves near copies out, unless what is left is flat. Pre: `cloud.search` was made.
-void leave_out_near_copies(PointCloud& cloud, const NearCopyOptions& options, double tolerance,
-                           Progress& progress) {
+void leave_out_near_copies(PointCloud& cloud, const NearCopyOptions& options,
+                           const Rounding& rounding, Progress& progress) {
   std::vector<NearCopy> copies = find_near_copies(cloud.position, cloud.search, options, progress);
   if (copies.empty()) return;
   std::vector<char> is_copy(cloud.position.size(), 0);
@@ -185,7 +209,7 @@ void leave_out_near_copies(PointCloud& cloud, const NearCopyOptions& options, do
     rest.position.push_back(cloud.position[i]);
     input_index.push_back(cloud.input_index[i]);
   }
-  if (!(extent_of(rest, progress).from_plane > tolerance)) return;
+  if (extent_of(rest, progress).is_flat(rounding)) return;
   for (NearCopy& pair : copies)
     pair = {cloud.input_index[pair.copy], cloud.input_index[pair.original]};
   // The curve runs through the box of the samples, which may be smaller now.
@@ -276,12 +300,12 @@ PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions&
   parallel_for_each(cloud.size(), kGrain, progress, [&](Index i) {
     cloud.position[i] = cloud.frame.to_unit(points[cloud.input_index[i]]);
   });
-  const double tolerance = rounding_of_input(points, cloud, progress);
-  refuse_flat(cloud, tolerance, progress);
+  const Rounding rounding = rounding_of_input(points, cloud, progress);
+  refuse_flat(points, cloud, rounding, far_strays, progress);
 
   progress.set_range(0.3, 0.35);
   cloud.search = VoxelSearch(cloud.position, progress);
-  leave_out_near_copies(cloud, options.near_copies, tolerance, progress);
+  leave_out_near_copies(cloud, options.near_copies, rounding, progress);
   progress.set_range(0.35, 0.4);
   // Lines are lines, also where so many are asked for that they lie on several.
   const int few = std::min(options.neighbours, SampleOptions::kUsualNeighbours);
