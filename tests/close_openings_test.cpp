@@ -156,7 +156,7 @@ TEST(Openings, ThatAreLeftOpenStayOpen) {
   std::sort(matching.opening_faces.begin(), matching.opening_faces.end());
   matching.spanning_faces = matching.opening_faces;
   Progress silent;
-  const std::vector<Index> removed = close_openings(matching, first_extra, silent);
+  const std::vector<Index> removed = close_openings(matching, first_extra, silent).removed;
   EXPECT_FALSE(removed.empty());
   // All others are of faces that stay.
   EXPECT_EQ(mesh.vertex_count(), first_extra + 1);

@@ -499,6 +499,8 @@ TEST(FilterRuns, EdgeOptimisationTakesMeshesOfAnyStageAndKeepsThePromise) {
   const auto top = static_cast<std::size_t>(highest - faces.begin());
   quality[top] = static_cast<float>(0.9 * length_of(top) / spacing);
   EXPECT_EQ(border_loops(), 1);
+  quality[top] = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(border_loops(), 1);
   quality[top] = static_cast<float>(length_of(top) / spacing);
   EXPECT_EQ(border_loops(), 2);
 

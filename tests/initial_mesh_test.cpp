@@ -247,6 +247,18 @@ TEST(InitialMesh, SmallBodiesStayWhereAllAreSmall) {
   EXPECT_GT(initial.report.components, 0.98 * kBodies);
 }
 
+TEST(InitialMesh, VoxelsTooSmallForThePlanesOfSamplesAreRefused) {
+  const PointCloud cloud = oriented_cloud(sample_shape(ShapeKind::sphere, 800, 1));
+  InitialMeshOptions options;
+  Progress silent;
+  for (const double size : {0.0, 0.05, -1.0, std::nan("")}) {
+    options.voxel_size = size;
+    EXPECT_THROW(make_initial_mesh(cloud, options, silent), InvalidInput) << size;
+  }
+  options.voxel_size = 0.25;
+  EXPECT_EQ(make_initial_mesh(cloud, options, silent).report.genus, 0);
+}
+
 TEST(InitialMesh, FourPointsMakeOne) {
   const PointCloud samples = oriented_cloud({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
   expect_closed_manifold(initial_mesh_of(samples).mesh, 1, 0);

@@ -209,6 +209,24 @@ TEST(IntersectionRepair, AFurtherRepairMayFindMoreThanTheFirst) {
   EXPECT_EQ(report.folds.faces_after, 3);
 }
 
+// What one left to annealing that could not be, the other may have parted by flips.
+TEST(IntersectionRepair, FacesArePersistentOnlyByARepairThatAnnealed) {
+  RepairReport nothing_annealed, annealed;
+  nothing_annealed.faces_before_annealing = nothing_annealed.faces_after = 500;
+  annealed.faces_before_annealing = 4;
+  annealed.annealed = 1;
+  RepairReport report = nothing_annealed;
+  report.add(annealed);
+  EXPECT_EQ(report.persistent_faces(), 4);
+  report = annealed;
+  report.add(nothing_annealed);
+  EXPECT_EQ(report.persistent_faces(), 500) << "which are left";
+  nothing_annealed.faces_after = 0;
+  report = annealed;
+  report.add(nothing_annealed);
+  EXPECT_EQ(report.persistent_faces(), 4);
+}
+
 TEST(IntersectionRepair, CannotPartTwoSpheresButStops) {
   SurfaceMesh mesh = crossing_spheres(2);
   const SurfaceMesh before = mesh;

@@ -112,6 +112,16 @@ TEST_F(IsolatedSamples, AreJoinedToTheSameEdgesAgain) {
   EXPECT_EQ(mesh.triangles(), all);
 }
 
+// As far as borders are looked for, also among the last faces that are.
+TEST_F(IsolatedSamples, FarFromTheBorderGetAFaceUnlessItIsTooFar) {
+  const SurfaceMesh sphere = icosphere(5);
+  for (const double height : {-0.81, -0.825, -0.835, -0.9}) {
+    mesh = sphere;
+    number_samples(height, {nearest_to(Vec3(0.1, 0.05, 1.0))});
+    EXPECT_EQ(join().size(), height > -0.83 ? 1u : 0u) << height;
+  }
+}
+
 TEST_F(IsolatedSamples, OthersHaveTheirFacesAlready) {
   number_samples(0.7, {});
   const std::vector<Triangle> before = mesh.triangles();

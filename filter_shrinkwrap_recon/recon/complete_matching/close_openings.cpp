@@ -492,11 +492,10 @@ Closing close_openings(SurfaceMesh& mesh, Index first_extra, Progress& progress,
   return OpeningCloser(mesh, first_extra, opening_faces, options, progress).close();
 }
 
-std::vector<Index> close_openings(CompleteMatching& matching, Index samples, Progress& progress,
-                                  const ClosingOptions& options) {
+ClosingOfMatching close_openings(CompleteMatching& matching, Index samples, Progress& progress,
+                                 const ClosingOptions& options) {
   SurfaceMesh& mesh = matching.mesh;
-  const std::vector<char> spans =
-      close_openings(mesh, samples, progress, matching.opening_faces, options).spans;
+  const Closing closing = close_openings(mesh, samples, progress, matching.opening_faces, options);
   // Samples keep their index. Of the extra vertices only those that go change places.
   std::vector<Index> new_index(mesh.position.size(), kNone), removed;
   Index count = 0;
@@ -510,12 +509,12 @@ std::vector<Index> close_openings(CompleteMatching& matching, Index samples, Pro
   for (const Index f : matching.spanning_faces) spanning.add(f);
   for (const Index f : matching.opening_faces) open.add(f);
   for (Index f = 0; f < mesh.face_slots(); ++f)
-    if (spans[f]) spanning.add(f);
+    if (closing.spans[f]) spanning.add(f);
   mesh.renumber(new_index, progress);
   matching.spanning_faces = spanning.faces();
   matching.opening_faces = open.faces();
   matching.sample_of_vertex.resize(mesh.position.size(), SampleId::none);
-  return removed;
+  return {std::move(removed), closing.tests};
 }
 
 }  // namespace shrinkwrap

@@ -45,10 +45,15 @@ Closing close_openings(SurfaceMesh& mesh, Index first_extra, Progress& progress,
                        const std::vector<Index>& opening_faces = {},
                        const ClosingOptions& options = {});
 
+struct ClosingOfMatching {
+  std::vector<Index> removed;  ///< vertices as they were numbered before, ascending
+  std::int64_t tests = 0;      ///< as in `Closing`
+};
+
 /// The same for a matching whose vertex i below `samples` is sample i: vertices and faces are then
 /// renumbered, the samples as they were; spanning and opening faces go along, and new ones that
-/// span are added. Returns the vertices removed, as they were numbered before, ascending.
-std::vector<Index> close_openings(CompleteMatching& matching, Index samples, Progress& progress,
-                                  const ClosingOptions& options = {});
+/// span are added.
+ClosingOfMatching close_openings(CompleteMatching& matching, Index samples, Progress& progress,
+                                 const ClosingOptions& options = {});
 
 }  // namespace shrinkwrap

@@ -18,9 +18,10 @@ namespace {
 constexpr Index kMostCuts[] = {8, 64, 512};
 // So often it is tried with so many cuts, each time without the vertices that did harm.
 constexpr int kMostTrials = 8;
-// No trial is begun once the repairs of all have tested so many pairs of faces, and so many for
-// each face of the mesh: where much meets in a small one, or lies in planes, each takes a second.
-constexpr std::int64_t kTestsOfTrials = 3000000, kTestsPerFace = 600;
+// No trial is begun once all have tested so many pairs of faces, and so many for each face of the
+// mesh: where much meets in a small one, or lies in planes, each takes a second. To copy the mesh
+// and to look for pairs in it at first takes as long as so many more for each face.
+constexpr std::int64_t kTestsOfTrials = 3000000, kTestsPerFace = 600, kTestsToBegin = 10;
 
 class Finish {
  public:
@@ -92,7 +93,7 @@ class Finish {
 void Finish::remove_extra_vertices() {
   RepairReport& repair = report_.repair;
   tried_ = tried_by_last_repair();
-  const std::vector<Index> removed = close_openings(matching_, samples_, progress_);
+  const std::vector<Index> removed = close_openings(matching_, samples_, progress_).removed;
   report_.removed_extra = static_cast<Index>(removed.size());
   tried_ = without_vertices(std::move(tried_), removed);
   // Flips may part what is left now, and all faces have other indices.
@@ -119,7 +120,9 @@ void Finish::remove_with_cuts() {
     const std::vector<Triangle> tried = tried_by_last_repair();
     for (int trials = 0; trials < kMostTrials && tests_left > 0 && has_extra_vertices(); ++trials) {
       CompleteMatching trial = matching_;
-      const std::vector<Index> removed = close_openings(trial, samples_, progress_, options);
+      const ClosingOfMatching closing = close_openings(trial, samples_, progress_, options);
+      const std::vector<Index>& removed = closing.removed;
+      tests_left -= closing.tests + kTestsToBegin * trial.mesh.face_count();
       if (removed.empty()) break;
       near.tried = without_vertices(tried, removed);
       RepairReport further = repair(trial, near);

@@ -60,7 +60,9 @@ class SampleJoiner {
     for (std::size_t i = 0; i < reached_.size() && i < kMostFaces && tries < kMostTries; ++i) {
       for_each_border_edge(v, static_cast<Index>(i),
                            [&](const BorderEdge& edge) { edges.push_back(edge); });
-      if (i + 1 < reached_.size() && reached_[i + 1].rings == reached_[i].rings) continue;
+      const std::size_t next = i + 1;
+      const bool is_last = next == reached_.size() || next == kMostFaces;
+      if (!is_last && reached_[next].rings == reached_[i].rings) continue;
       std::sort(edges.begin(), edges.end(), [](const BorderEdge& a, const BorderEdge& b) {
         return std::tie(a.is_folded, a.longest, a.from) < std::tie(b.is_folded, b.longest, b.from);
       });

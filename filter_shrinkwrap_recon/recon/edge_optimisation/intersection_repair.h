@@ -75,7 +75,9 @@ struct RepairReport {
     faces_before = std::max(faces_before, further.faces_before);
     after = further.after;
     faces_after = further.faces_after;
-    faces_before_annealing = std::max(faces_before_annealing, further.faces_before_annealing);
+    // Where nothing was annealed, flips and relocations of the other may have parted them.
+    faces_before_annealing = std::max(annealed > 0 ? faces_before_annealing : 0,
+                                      further.annealed > 0 ? further.faces_before_annealing : 0);
     remaining_faces = std::move(further.remaining_faces);
     flips += further.flips;
     relocated += further.relocated;

@@ -21,6 +21,7 @@
 namespace shrinkwrap {
 namespace {
 
+constexpr double kLeastVoxelSize = 0.25;  // that may be asked for, x s
 constexpr Index kGrain = 1 << 11;
 // Weight of the Laplacian where no sample holds the mesh.
 constexpr double kMembraneSmoothing = 0.5;
@@ -388,7 +389,8 @@ InitialMesh most_plausible_boundary(const PointCloud& cloud, InitialMeshOptions 
     mesh = boundary_with_more_bodies(of_the_size_asked_for(), cloud, winding, options, progress);
   } else if (genus > mesh.report.genus && mesh.report.components >= detailed->report.components &&
              !are_more_left(*detailed, mesh, cloud, options, progress)) {
-    mesh.report.handles_refuted = genus + detailed->report.handles_refuted - mesh.report.genus;
+    mesh.report.handles_refuted = std::max(
+        mesh.report.handles_refuted, genus + detailed->report.handles_refuted - mesh.report.genus);
   } else {
     mesh = boundary_with_more_bodies(std::move(*detailed), cloud, winding, smaller, progress);
     mesh.report.is_of_detail_size = true;
@@ -404,6 +406,10 @@ InitialMesh make_initial_mesh(const PointCloud& cloud, const InitialMeshOptions&
   progress.begin(Stage::initial_mesh);
   if (options.start == InitialMeshOptions::Start::bounding_box)
     return shrink_bounding_box(cloud, options, progress);
+  if (!(options.voxel_size >= kLeastVoxelSize))
+    throw InvalidInput(
+        "voxels are to be a quarter of the sample spacing or larger: the planes of "
+        "samples would reach over too many.");
   InitialMesh result = most_plausible_boundary(cloud, options, progress);
   if (result.mesh.face_count() == 0)
     throw ReconstructionFailed(

@@ -16,7 +16,7 @@ struct InitialMeshOptions {
   Start start = Start::winding_number;
 
   // winding_number; lengths in median spacings s
-  double voxel_size = 1.75;  ///< x s; but see `voxel_ratio_for_detail`
+  double voxel_size = 1.75;  ///< x s, 0.25 or more; but see `voxel_ratio_for_detail`
   /// Each sample stands for a square of its spacing (at most 16 s). Where these are more than so
   /// many squares of s for each sample, and `many_squares` in all, the boundary would be many times
   /// the samples: then s is wider here, so that they are as many.
@@ -108,7 +108,7 @@ struct InitialMesh {
 /// Makes the initial mesh. Pre: `orient_normals` was called on the cloud (winding_number only).
 /// Post: closed, 2-manifold, consistently oriented outwards; for bounding_box genus 0.
 /// Throws ReconstructionFailed if the surface over the openings of the cloud would be far larger
-/// than what the samples show. O(N) expected.
+/// than what the samples show, and InvalidInput for voxels that are too small. O(N) expected.
 InitialMesh make_initial_mesh(const PointCloud& cloud, const InitialMeshOptions& options,
                               Progress& progress);
 

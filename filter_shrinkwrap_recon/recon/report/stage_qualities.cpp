@@ -46,7 +46,7 @@ std::vector<Index> spanning_faces(const ResultMesh& mesh, double spacing) {
   std::vector<Index> spanning;
   for (std::size_t f = 0; f < mesh.face_quality.size(); ++f) {
     const double quality = mesh.face_quality[f];
-    if (!(quality > 0.0)) continue;
+    if (!(quality > 0.0 && std::isfinite(quality))) continue;
     const Triangle& t = mesh.triangles[f];
     // Vertices that are no samples were rounded to the coordinates of a layer.
     double coordinate = 0.0;
