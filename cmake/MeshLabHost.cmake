@@ -65,7 +65,8 @@ if(meshlab_target)
   set(meshlab_common ${meshlab_target})
 else()
   find_library(SHRINKWRAP_MESHLAB_COMMON meshlab-common PATH_SUFFIXES meshlab REQUIRED
-               PATHS /usr/lib/${CMAKE_LIBRARY_ARCHITECTURE})
+               PATHS /usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}
+               DOC "MeshLab's own library, to link with: found among the installed ones unless it is given.")
   check_meshlab_library(${SHRINKWRAP_MESHLAB_COMMON} ${meshlab_version})
   set(meshlab_common ${SHRINKWRAP_MESHLAB_COMMON})
   get_filename_component(meshlab_library_dir ${meshlab_common} DIRECTORY)

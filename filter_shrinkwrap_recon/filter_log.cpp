@@ -166,6 +166,10 @@ void tell_of_noise(Filter filter, const NoiseEstimate& noise, const DenoisingRep
   const bool is_noisy = noise.of_others() > options.noise.high;
   const bool is_partly_noisy = noise.more.part > options.denoising.before_initial_mesh_part &&
                                noise.more.median > options.noise.high;
+  if ((is_noisy || is_partly_noisy) && options.stop_at_parametric_surface && !is_robust(options))
+    outcome.warnings.push_back(
+        "The samples are noisy, and the method As in the paper smooths nothing: choose Robust for "
+        "a surface that is smoothed for the noise.");
   if ((is_noisy || is_partly_noisy) && !options.stop_at_parametric_surface)
     outcome.warnings.push_back(
         (is_noisy ? "The samples are noisy, by about " + formatted("%.2f", noise.median) +

@@ -1,42 +1,13 @@
 #include "filter_parameters.h"
 
-#include <cmath>
-#include <sstream>
+#include <utility>
+
+#include "parameter_names.h"
 
 namespace shrinkwrap {
 namespace {
 
 using Kind = Parameter::Kind;
-
-// Names of parameters, each used where it is declared and where it is read.
-constexpr char kMethod[] = "Method";
-constexpr char kStopAtSurface[] = "StopAtParametricSurface";
-constexpr char kSmoothForNoise[] = "SmoothForNoise";
-constexpr char kBacksAreOpenings[] = "BacksAreOpenings";
-constexpr char kOpenings[] = "Openings";
-constexpr char kSelectedOnly[] = "SelectedOnly";
-constexpr char kExcludeOutliers[] = "ExcludeOutliers";
-constexpr char kKeepStages[] = "KeepStages";
-constexpr char kThreads[] = "Threads";
-constexpr char kNeighbours[] = "Neighbours";
-constexpr char kVoxelSize[] = "VoxelSize";
-constexpr char kLevel[] = "Level";
-constexpr char kWidestOpening[] = "WidestOpening";
-constexpr char kMaximumGenus[] = "MaximumGenus";
-constexpr char kCutFalseHandles[] = "CutFalseHandles";
-constexpr char kMinComponent[] = "MinComponentSamples";
-constexpr char kShrinkIterations[] = "ShrinkIterations";
-constexpr char kBoxLevels[] = "BoxLevels";
-constexpr char kProjection[] = "Projection";
-constexpr char kBoxRelaxation[] = "BoxRelaxation";
-constexpr char kControlVertices[] = "ControlVertices";
-constexpr char kFitIterations[] = "FitIterations";
-constexpr char kAttraction[] = "Attraction";
-constexpr char kCreaseAngle[] = "CreaseAngle";
-constexpr char kLeastGap[] = "LeastGap";
-constexpr char kRepairIntersections[] = "RepairIntersections";
-constexpr char kCountIntersections[] = "CountIntersections";
-constexpr char kFailIfIncomplete[] = "FailIfIncomplete";
 
 constexpr double kMostElements = 1e9;
 
@@ -99,6 +70,13 @@ Parameter method() {
                 "(genus 0) and without deep cavities.");
 }
 
+// Each filter of a stage takes its own steps of it.
+Parameter method_of_all_stages() {
+  Parameter parameter = method();
+  parameter.tooltip += " Choose the same in the filters of all stages.";
+  return parameter;
+}
+
 Parameter selected_only() {
   return boolean(kSelectedOnly, "Selected points only", false,
                  "Use only the selected points of the layer as samples.");
@@ -110,8 +88,17 @@ Parameter exclude_outliers() {
               "Leave stray points out of the surface: points and small clumps of points (fewer "
               "than 30) that lie apart from the rest, far from it by the spacing there. The log "
               "says how many; the whole method and Initial Mesh make a layer of them, so that none "
-              "is lost. "
-              "Off: every point becomes a vertex, stray or not."));
+              "is lost. Off: every point becomes a vertex, stray or not."));
+}
+
+Parameter excuse_outliers() {
+  Parameter parameter = exclude_outliers();
+  parameter.tooltip =
+      "Do not count stray points as missing where the mesh leaves them out: points and small "
+      "clumps "
+      "of points (fewer than 30) that lie apart from the rest, far from it by the spacing there. "
+      "The log says how many. Off: every distinct point must be a vertex.";
+  return parameter;
 }
 
 // Of the filters of the stages: so that their chain ends in what the whole method gives.
@@ -121,9 +108,10 @@ Parameter smooth_for_noise() {
       "Robust method: move the points onto the quadrics that those around them suggest, by as much "
       "as they are noisy, and fit the surface to these, as the whole method does where it stops at "
       "the parametric surface, and where its log says so. Choose the same in the filters "
-      "Initial Mesh, Parametric Surface and Complete Matching (to stop at the surface of points "
-      "with noise of less than 0.04 of their spacing, of which the log tells more around a tenth "
-      "at most, the whole method leaves out the first).");
+      "Initial Mesh, Parametric Surface and Complete Matching; but to stop at the surface of "
+      "points "
+      "whose noise is below 0.04 spacings, with more around no more than a tenth of them (the log "
+      "tells both), leave it off in Initial Mesh.");
 }
 
 Parameter backs_are_openings() {
@@ -209,8 +197,10 @@ Parameter repair_intersections() {
       boolean(kRepairIntersections, "Repair self-intersections", true,
               "Look for faces that cut or touch others, exactly, and flip edges around "
               "them until none is left; those that cannot be parted are selected. Faces "
-              "that are bent back onto their neighbours are unfolded too. Off: a little "
-              "faster; the report counts them, and none is selected."));
+              "that are bent back onto their neighbours are unfolded too. Off: faster, for "
+              "trials. Faces that meet are counted and not selected, more vertices that are no "
+              "samples may stay in openings, nothing is matched a second time, and where the run "
+              "stops at the parametric surface no edges are kept."));
 }
 
 // Of a surface that the samples are still to be matched to, and of one that is the end.
@@ -220,7 +210,8 @@ Parameter repair_surface_intersections() {
       "With Smooth the surface for noise, which makes this the last stage: look for faces that cut "
       "or touch others, exactly, and smooth the surface around them until none is left; those that "
       "cannot be parted are selected. Without it nothing is looked for here: Edge Optimisation "
-      "does it. Off: a little faster, and none is selected.";
+      "does it. Off: a little faster; none is selected, and edges that many samples show are not "
+      "kept.";
   return parameter;
 }
 
@@ -254,8 +245,9 @@ std::vector<Parameter> solid_parameters() {
       advanced(
           number(Kind::integer, kMinComponent, "Smallest body (samples)", 30, 4, kMostElements,
                  "Robust method: bodies and cavities supported by fewer samples than this get "
-                 "no surface of their own (up to 30: of fewer than a hundredth of all samples, "
-                 "if that is less; and never of a quarter of what is typical). "
+                 "no surface of their own. In small clouds a hundredth of all samples is enough, "
+                 "but at least 4, unless more than 30 is set here; and where all bodies are small, "
+                 "those of a quarter of the typical number get one. "
                  "Raised: clumps of stray points do not become bodies. Lowered: small real "
                  "parts are kept. Unit: "
                  "samples; range 4 and up.")),
@@ -321,7 +313,7 @@ Parameter crease_angle() {
       "edges that bend by more, and where angles would be below 25 degrees, only if they bend by "
       "no more than 1.3 times as much then. 0: nowhere. Raised: better shaped triangles, "
       "fewer edges kept sharp. -1: what the method has (Robust 50, As in the paper 0). Can be "
-      "applied to a finished mesh. Unit: degrees; -1, or 0 to 180."));
+      "applied to a finished mesh that is closed. Unit: degrees; -1, or 0 to 180."));
 }
 
 Parameter least_gap() {
@@ -333,8 +325,8 @@ Parameter least_gap() {
       "the planes of the faces around tell it. 0: wherever they differ, which is nearer to a "
       "smooth surface, with narrower triangles. "
       "Raised: only where a wrong choice would show. 1: nowhere. -1: what the method has "
-      "(Robust 0.03, As in the paper 1). Can be applied to a finished mesh. Unit: mean length of "
-      "the diagonals; -1, or 0 to 1."));
+      "(Robust 0.03, As in the paper 1). Can be applied to a finished mesh that is closed. Unit: "
+      "mean length of the diagonals; -1, or 0 to 1."));
 }
 
 void append(std::vector<Parameter>& list, const std::vector<Parameter>& more) {
@@ -348,21 +340,23 @@ std::vector<Parameter> reconstruct_parameters() {
       method(),
       boolean(kStopAtSurface, "Stop at the parametric surface", false,
               "Return the smooth surface near the samples in place of the mesh through every "
-              "sample. The better choice when the points are noisy (more than about a quarter of "
-              "their spacing). Where it would lose edges that many samples show, and no opening is "
+              "sample. The better choice when the points are noisy (by more than a fifth of "
+              "their spacing: the log tells it), for which the method Robust smooths them. Where "
+              "the surface would lose edges that many samples show, and no opening is "
               "spanned, its vertices are the samples, moved onto it but for such detail."),
       openings(),
       selected_only(),
       exclude_outliers(),
       advanced(boolean(kKeepStages, "Keep every stage as a layer", false,
-                       "Also add the initial mesh, the control mesh, the parametric surface and "
-                       "the complete matching before its edges are optimised (As in the paper: "
-                       "the bounding box too), each as a layer, in this order. In the "
-                       "complete matching and in the result the vertex quality is the distance "
-                       "from the parametric surface (unless the points bring a quality of their "
-                       "own), and the face quality of faces that span an opening their longest "
-                       "edge in sample spacings: see them with \"Colorize by vertex Quality\" and "
-                       "\"Colorize by face Quality\". Takes about twice the memory.")),
+                       "Also add the initial mesh (As in the paper: the bounding box before "
+                       "it), the control mesh, the parametric surface and, unless the run stops "
+                       "there, the complete matching before its edges are optimised, each as a "
+                       "layer, in this order. In the complete matching and in the result through "
+                       "every sample the vertex quality is the distance from the parametric "
+                       "surface (unless the points bring a quality of their own), and the face "
+                       "quality of faces that span an opening their longest edge in sample "
+                       "spacings: see them with \"Colorize by vertex Quality\" and \"Colorize by "
+                       "face Quality\". Takes about twice the memory.")),
       widest_opening(),
       maximum_genus(),
       cut_false_handles(),
@@ -371,58 +365,6 @@ std::vector<Parameter> reconstruct_parameters() {
   list.push_back(repair_intersections());
   return list;
 }
-
-// --- reading values ---
-
-std::string text_of(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
-}
-
-void check(const Parameter& parameter, const ParameterValues& values) {
-  const auto found = values.find(parameter.name);
-  if (found == values.end())
-    throw InvalidInput("the parameter " + parameter.name +
-                       " is missing, or of another type than declared: apply the filter in "
-                       "MeshLab and save the script anew, or correct the script");
-  const double value = found->second;
-  const bool whole = parameter.kind == Kind::real || value == std::floor(value);
-  if (value >= parameter.minimum && value <= parameter.maximum && whole) return;
-  throw InvalidInput("the parameter " + parameter.name + ", \"" + parameter.label + "\", is " +
-                     text_of(value) + ": it must be a" +
-                     (parameter.kind == Kind::real ? "" : " whole") + " number from " +
-                     text_of(parameter.minimum) + " to " + text_of(parameter.maximum));
-}
-
-// Reads values; a parameter that the filter does not have leaves its option as it is.
-class Reader {
- public:
-  explicit Reader(const ParameterValues& values) : values_(values) {}
-
-  template <class Value>
-  void read(const char* name, Value& option) const {
-    const auto found = values_.find(name);
-    if (found != values_.end()) option = static_cast<Value>(found->second);
-  }
-  // -1: automatic.
-  void read_unless_automatic(const char* name, double& option, double unit) const {
-    double value = -1.0;
-    read(name, value);
-    if (value == -1.0) return;
-    if (value < 0.0)
-      throw InvalidInput("the parameter " + std::string(name) + " is " + text_of(value) +
-                         ": it must be -1, or 0 and more");
-    option = value * unit;
-  }
-  bool is_on(const char* name) const {
-    const auto found = values_.find(name);
-    return found != values_.end() && found->second != 0.0;
-  }
-
- private:
-  const ParameterValues& values_;
-};
 
 }  // namespace
 
@@ -477,7 +419,7 @@ std::vector<Parameter> parameters_of(Filter filter) {
       list = reconstruct_parameters();
       break;
     case Filter::initial_mesh:
-      list = {samples_layer(),    selected_only(), exclude_outliers(), method(),
+      list = {samples_layer(),    selected_only(), exclude_outliers(), method_of_all_stages(),
               smooth_for_noise(), maximum_genus(), cut_false_handles()};
       append(list, solid_parameters());
       append(list, shrink_parameters());
@@ -487,24 +429,28 @@ std::vector<Parameter> parameters_of(Filter filter) {
               mesh_layer("The initial mesh: a closed 2-manifold. It is not changed."),
               selected_only(),
               exclude_outliers(),
-              method(),
+              method_of_all_stages(),
               neighbours(),
               control_vertices()};
       break;
     case Filter::parametric_surface:
-      list = {
-          samples_layer(), mesh_layer("The control mesh: a closed 2-manifold. It is not changed."),
-          selected_only(), exclude_outliers(),
-          method(),        smooth_for_noise(),
-          neighbours(),    fit_iterations(),
-          attraction(),    repair_surface_intersections()};
+      list = {samples_layer(),
+              mesh_layer("The control mesh: a closed 2-manifold. It is not changed."),
+              selected_only(),
+              exclude_outliers(),
+              method_of_all_stages(),
+              smooth_for_noise(),
+              neighbours(),
+              fit_iterations(),
+              attraction(),
+              repair_surface_intersections()};
       break;
     case Filter::complete_matching:
       list = {samples_layer(),
               mesh_layer("The parametric surface: a closed 2-manifold. It is not changed."),
               selected_only(),
               exclude_outliers(),
-              method(),
+              method_of_all_stages(),
               smooth_for_noise(),
               backs_are_openings(),
               openings_of_matching(),
@@ -515,7 +461,7 @@ std::vector<Parameter> parameters_of(Filter filter) {
               mesh_layer("The complete matching: a closed 2-manifold. It is not changed."),
               selected_only(),
               exclude_outliers(),
-              method(),
+              method_of_all_stages(),
               openings(),
               widest_opening(),
               neighbours(),
@@ -527,7 +473,7 @@ std::vector<Parameter> parameters_of(Filter filter) {
       list = {samples_layer(),
               mesh_layer("The mesh to be measured. It is not changed."),
               selected_only(),
-              exclude_outliers(),
+              excuse_outliers(),
               boolean(kFailIfIncomplete, "Fail if incomplete", false,
                       "Treat a mesh that is not closed, not 2-manifold or not matched one to one "
                       "as an error, so that a script stops there."),
@@ -548,53 +494,6 @@ ParameterValues default_values(Filter filter) {
   for (const Parameter& parameter : parameters_of(filter))
     if (parameter.kind != Kind::layer) values[parameter.name] = parameter.default_value;
   return values;
-}
-
-FilterRequest request_of(Filter filter, const ParameterValues& values) {
-  for (const Parameter& parameter : parameters_of(filter))
-    if (parameter.kind != Kind::layer) check(parameter, values);
-  const Reader reader(values);
-
-  FilterRequest request;
-  ReconstructionOptions& options = request.options;
-  if (reader.is_on(kMethod)) options = as_in_the_paper();
-  request.selected_only = reader.is_on(kSelectedOnly);
-  request.fail_if_incomplete = reader.is_on(kFailIfIncomplete);
-
-  reader.read(kStopAtSurface, options.stop_at_parametric_surface);
-  reader.read(kSmoothForNoise, options.stop_at_parametric_surface);
-  // Who runs the stages chooses in which of them.
-  if (reader.is_on(kSmoothForNoise)) options.denoising.before_initial_mesh_from = 0.0;
-  reader.read(kBacksAreOpenings, options.complete_matching.backs_are_openings);
-  reader.read(kExcludeOutliers, options.outliers.exclude);
-  reader.read(kKeepStages, options.keep_stages);
-  reader.read(kThreads, options.threads);
-  reader.read(kNeighbours, options.samples.neighbours);
-  reader.read(kVoxelSize, options.initial_mesh.voxel_size);
-  reader.read(kLevel, options.initial_mesh.level);
-  reader.read(kMinComponent, options.initial_mesh.min_component_samples);
-  reader.read(kShrinkIterations, options.initial_mesh.shrink_iterations);
-  reader.read(kBoxLevels, options.initial_mesh.levels);
-  reader.read(kProjection, options.initial_mesh.projection);
-  reader.read(kBoxRelaxation, options.initial_mesh.box_relaxation);
-  reader.read(kControlVertices, options.control_mesh.target_vertices);
-  reader.read(kFitIterations, options.parametric_surface.iterations);
-  if (reader.is_on(kAttraction)) reader.read(kAttraction, options.parametric_surface.attraction);
-  reader.read_unless_automatic(kCreaseAngle, options.edge_optimisation.crease_angle, kPi / 180.0);
-  reader.read_unless_automatic(kLeastGap, options.edge_optimisation.least_gap, 1.0);
-  reader.read(kRepairIntersections, options.intersection_repair.enabled);
-  reader.read(kCountIntersections, options.report.count_self_intersections);
-  int openings = static_cast<int>(options.complete_matching.openings);
-  reader.read(kOpenings, openings);
-  options.complete_matching.openings = static_cast<CompleteMatchingOptions::Openings>(openings);
-  reader.read(kWidestOpening, options.complete_matching.widest_opening);
-  reader.read(kMaximumGenus, options.initial_mesh.maximum_genus);
-  reader.read(kCutFalseHandles, options.initial_mesh.false_handles.enabled);
-
-  if (const Index target = options.control_mesh.target_vertices; target > 0 && target < 4)
-    throw InvalidInput("the parameter " + std::string(kControlVertices) + " is " +
-                       std::to_string(target) + ": it must be 0, or 4 and more");
-  return request;
 }
 
 }  // namespace shrinkwrap

@@ -529,10 +529,9 @@ FilterOutcome run_filter(Filter filter, const FilterRequest& request, const Filt
   FilterOutcome outcome = arena.execute([&] {
     FilterOutcome made = dispatch(filter, limited, input, progress);
     if (request.carries_data) {
-      const std::vector<Index>& left_out = made.outliers.input_index;
-      carry_data(made.mesh, input.points, left_out, progress);
-      for (StageRecord& stage : made.stages)
-        carry_data(stage.mesh, input.points, left_out, progress);
+      std::vector<ResultMesh*> meshes = {&made.mesh};
+      for (StageRecord& stage : made.stages) meshes.push_back(&stage.mesh);
+      carry_data(meshes, input.points, made.outliers.input_index, progress);
     }
     return made;
   });

@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "filter_parameters.h"
+#include "filter_requests.h"
 
 namespace shrinkwrap {
 

@@ -92,6 +92,7 @@ set_parameter() { # NAME=VALUE
     *) die "the parameter $name cannot be set" ;;
   esac
   [ -z "$wanted" ] || die "$name needs $wanted, not '$value': --set help lists the parameters"
+  [ "$name=$value" != KeepStages=true ] || die "KeepStages is for MeshLab's window: here the result alone is written"
   edit_parameter "$name" "$value"
 }
 whole_number() {

@@ -49,7 +49,7 @@ TEST(CarriedData, SamplesHaveTheirOwnAndOthersThatOfTheNearestThatIsNotLeftOut) 
   mesh.position = {{2, 0, 0}, {0.9, 0, 0}, {2.1, 0, 0}};
   mesh.input_index = {0, kNone, kNone};  // a sample that was moved
   Progress silent;
-  carry_data(mesh, points, {1}, silent);
+  carry_data({&mesh}, points, {1}, silent);
   EXPECT_EQ(mesh.data_index, (std::vector<Index>{0, 0, 2}));
 }
 
@@ -60,7 +60,7 @@ TEST(CarriedData, CopiesOfWhatIsLeftOutAreLeftOutToo) {
   mesh.position = {{1.9, 0, 0}, {1.1, 0, 0}};
   mesh.input_index = {kNone, kNone};
   Progress silent;
-  carry_data(mesh, points, {0}, silent);
+  carry_data({&mesh}, points, {0}, silent);
   EXPECT_EQ(mesh.data_index, (std::vector<Index>{3, 1}));
 }
 
@@ -69,7 +69,7 @@ TEST(CarriedData, IsNotAskedForWhereEveryVertexIsASample) {
   mesh.position = {{2, 0, 0}};
   mesh.input_index = {0};
   Progress silent;
-  carry_data(mesh, {{2, 0, 0}}, {}, silent);
+  carry_data({&mesh}, {{2, 0, 0}}, {}, silent);
   EXPECT_TRUE(mesh.data_index.empty());
 }
 
@@ -89,7 +89,9 @@ TEST(CarriedData, IsThereForEveryMeshOfARun) {
   for (const StageRecord& stage : outcome.stages) meshes.push_back(&stage.mesh);
   for (const ResultMesh* mesh : meshes) {
     ASSERT_EQ(mesh->data_index.size(), mesh->position.size());
-    for (const Index i : mesh->data_index) EXPECT_NE(i, kNone);
+    const std::vector<NearestPoint> nearest = nearest_points(input.points, mesh->position, silent);
+    for (std::size_t v = 0; v < nearest.size(); ++v)
+      EXPECT_EQ(mesh->data_index[v], nearest[v].index);
   }
 }
 

@@ -160,6 +160,13 @@ TEST(FilterLog, AdviceForNoiseIsWhatTheFilterCanDo) {
                 "SmoothForNoise");
   // Who follows it is not told again.
   EXPECT_FALSE(is_in(run(Filter::initial_mesh, input, {{"SmoothForNoise", 1}}).warnings, "noisy"));
+  // But for the method that cannot.
+  for (const double method : {0.0, 1.0})
+    EXPECT_EQ(is_in(run(Filter::reconstruct, input,
+                        {{"StopAtParametricSurface", 1}, {"Method", method}, {"Openings", 0}})
+                        .warnings,
+                    "smooths nothing"),
+              method == 1.0);
 }
 
 TEST(FilterLog, ThePaperClosesEveryOpeningAndSaysSo) {

@@ -1,4 +1,4 @@
-#include "filter_parameters.h"
+#include "filter_requests.h"
 
 #include <gtest/gtest.h>
 

@@ -37,7 +37,7 @@ Reconstruction shrinkwrap_reconstruct(const CloudMesh& cloud, Mesh& mesh,
   if (internal::carries_data(cloud)) {
     tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
     arena.execute(
-        [&] { carry_data(result.mesh, points.points, result.outliers.input_index, progress); });
+        [&] { carry_data({&result.mesh}, points.points, result.outliers.input_index, progress); });
   }
   mesh_to_vcg(result.mesh, cloud, points, mesh);
   result.mesh = ResultMesh();

@@ -294,7 +294,8 @@ class ReconstructScript(ScriptTest):
                               ("Openings=3", "one of its choices"), ("Openings=", "one of its choices"),
                               ("ExcludeOutliers=no", "true or false"), ("Neighbours=1.5", "a whole number"),
                               ("MaximumGenus=99999999999", "a whole number"), ("VoxelSize=1,5", "a number"),
-                              ("VoxelSize=1\n2", "a number"), ('VoxelSize=1"/>', "a number")):
+                              ("VoxelSize=1\n2", "a number"), ("KeepStages=true", "MeshLab's window"),
+                              ('VoxelSize=1"/>', "a number")):
             with self.subTest(setting=setting):
                 self.assertEqual(self.call("--set", setting), 1, self.text)
                 self.assertIn(told, self.text)

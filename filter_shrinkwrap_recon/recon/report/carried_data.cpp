@@ -8,11 +8,12 @@
 
 namespace shrinkwrap {
 
-void carry_data(ResultMesh& mesh, const std::vector<Vec3>& points,
+void carry_data(const std::vector<ResultMesh*>& meshes, const std::vector<Vec3>& points,
                 const std::vector<Index>& left_out, Progress& progress) {
   std::vector<Vec3> places;  // of the vertices that are no samples
-  for (std::size_t v = 0; v < mesh.position.size(); ++v)
-    if (mesh.input_index[v] == kNone) places.push_back(mesh.position[v]);
+  for (const ResultMesh* mesh : meshes)
+    for (std::size_t v = 0; v < mesh->position.size(); ++v)
+      if (mesh->input_index[v] == kNone) places.push_back(mesh->position[v]);
   if (places.empty()) return;
   // Nor are copies of what was left out.
   std::vector<Vec3> stray = points_at(points, left_out);
@@ -27,12 +28,16 @@ void carry_data(ResultMesh& mesh, const std::vector<Vec3>& points,
     candidate_index.push_back(static_cast<Index>(i));
   }
   const std::vector<NearestPoint> nearest = nearest_points(candidates, places, progress);
-  mesh.data_index = mesh.input_index;
   auto next = nearest.begin();
-  for (Index& source : mesh.data_index) {
-    if (source != kNone) continue;
-    if (next->index != kNone) source = candidate_index[next->index];
-    ++next;
+  for (ResultMesh* mesh : meshes) {
+    const std::vector<Index>& sample_of = mesh->input_index;
+    if (std::find(sample_of.begin(), sample_of.end(), kNone) == sample_of.end()) continue;
+    mesh->data_index = sample_of;
+    for (Index& source : mesh->data_index) {
+      if (source != kNone) continue;
+      if (next->index != kNone) source = candidate_index[next->index];
+      ++next;
+    }
   }
 }
 

@@ -8,10 +8,10 @@
 
 namespace shrinkwrap {
 
-/// Fills in `mesh.data_index`: of a vertex that is a sample, the sample, of another the nearest of
-/// the caller's `points`, those `left_out` (ascending) left out. Stays empty if every vertex is a
-/// sample. O((V + N) log N) otherwise, parallel.
-void carry_data(ResultMesh& mesh, const std::vector<Vec3>& points,
+/// Fills in `data_index` of each mesh: of a vertex that is a sample, the sample, of another the
+/// nearest of the caller's `points`, those `left_out` (ascending) left out. Stays empty if every
+/// vertex is a sample. O((V + N) log N) for all of them, parallel; O(V) if all vertices are.
+void carry_data(const std::vector<ResultMesh*>& meshes, const std::vector<Vec3>& points,
                 const std::vector<Index>& left_out, Progress& progress);
 
 }  // namespace shrinkwrap
