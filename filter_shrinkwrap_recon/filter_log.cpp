@@ -138,6 +138,15 @@ void warn_of(const OrientationReport& report, std::vector<std::string>& warnings
       "the layer), and run again.");
 }
 
+std::string advice_for_noise(Filter filter, bool is_robust) {
+  if (!is_robust)
+    return "For a smooth one near them choose the method Robust: As in the paper smooths nothing.";
+  if (filter == Filter::reconstruct)
+    return "Stop at the parametric surface (StopAtParametricSurface) for a smooth one near them.";
+  return "For a smooth one near them, smooth for noise in this filter and in the others that can "
+         "(SmoothForNoise), and leave off after Parametric Surface.";
+}
+
 void tell_of_noise(Filter filter, const NoiseEstimate& noise, const DenoisingReport& denoising,
                    const ReconstructionOptions& options, FilterOutcome& outcome) {
   const Layers& layers = noise.layers;
@@ -166,21 +175,18 @@ void tell_of_noise(Filter filter, const NoiseEstimate& noise, const DenoisingRep
   const bool is_noisy = noise.of_others() > options.noise.high;
   const bool is_partly_noisy = noise.more.part > options.denoising.before_initial_mesh_part &&
                                noise.more.median > options.noise.high;
-  if ((is_noisy || is_partly_noisy) && options.stop_at_parametric_surface && !is_robust(options))
+  if (!is_noisy && !is_partly_noisy) return;
+  const std::string rough =
+      is_noisy ? "The samples are noisy, by about " + formatted("%.2f", noise.median) +
+                     " of their spacing: a mesh through every one of them is rough. "
+               : part + " are noisy, by about " + formatted("%.2f", noise.more.median) +
+                     " of their spacing: a mesh through every one of them is rough there. ";
+  if (!options.stop_at_parametric_surface)
+    outcome.warnings.push_back(rough + advice_for_noise(filter, is_robust(options)));
+  else if (!is_robust(options))
     outcome.warnings.push_back(
         "The samples are noisy, and the method As in the paper smooths nothing: choose Robust for "
         "a surface that is smoothed for the noise.");
-  if ((is_noisy || is_partly_noisy) && !options.stop_at_parametric_surface)
-    outcome.warnings.push_back(
-        (is_noisy ? "The samples are noisy, by about " + formatted("%.2f", noise.median) +
-                        " of their spacing: a mesh through every one of them is rough. "
-                  : part + " are noisy, by about " + formatted("%.2f", noise.more.median) +
-                        " of their spacing: a mesh through every one of them is rough there. ") +
-        (filter == Filter::reconstruct
-             ? "Stop at the parametric surface (StopAtParametricSurface) for a smooth one near "
-               "them."
-             : "For a smooth one near them, smooth for noise in this filter and in the others that "
-               "can (SmoothForNoise), and leave off after Parametric Surface."));
 }
 
 void tell_of_view(const OrientationReport& report, FilterOutcome& outcome) {

@@ -70,7 +70,7 @@ Parameter method() {
                 "(genus 0) and without deep cavities.");
 }
 
-// Each filter of a stage takes its own steps of it.
+// The filter of a stage takes the steps that the method has there.
 Parameter method_of_all_stages() {
   Parameter parameter = method();
   parameter.tooltip += " Choose the same in the filters of all stages.";
@@ -193,14 +193,21 @@ Parameter neighbours() {
 }
 
 Parameter repair_intersections() {
-  return advanced(
-      boolean(kRepairIntersections, "Repair self-intersections", true,
-              "Look for faces that cut or touch others, exactly, and flip edges around "
-              "them until none is left; those that cannot be parted are selected. Faces "
-              "that are bent back onto their neighbours are unfolded too. Off: faster, for "
-              "trials. Faces that meet are counted and not selected, more vertices that are no "
-              "samples may stay in openings, nothing is matched a second time, and where the run "
-              "stops at the parametric surface no edges are kept."));
+  return advanced(boolean(kRepairIntersections, "Repair self-intersections", true,
+                          "Look for faces that cut or touch others, exactly, and flip edges around "
+                          "them until none is left; those that cannot be parted are selected. "
+                          "Faces that are bent back onto their neighbours are unfolded too. Off: "
+                          "faster, for trials. Faces that meet are counted and not selected, and "
+                          "more vertices that are no samples may stay in openings."));
+}
+
+// What else the whole method does only where it knows which faces meet.
+Parameter repair_intersections_of_all_stages() {
+  Parameter parameter = repair_intersections();
+  parameter.tooltip +=
+      " Nothing is matched a second time, and where the run stops at the parametric surface no "
+      "edges are kept.";
+  return parameter;
 }
 
 // Of a surface that the samples are still to be matched to, and of one that is the end.
@@ -340,8 +347,8 @@ std::vector<Parameter> reconstruct_parameters() {
       method(),
       boolean(kStopAtSurface, "Stop at the parametric surface", false,
               "Return the smooth surface near the samples in place of the mesh through every "
-              "sample. The better choice when the points are noisy (by more than a fifth of "
-              "their spacing: the log tells it), for which the method Robust smooths them. Where "
+              "sample. The better choice when the points are noisy, by more than a fifth of "
+              "their spacing as the log tells: the method Robust smooths the noise. Where "
               "the surface would lose edges that many samples show, and no opening is "
               "spanned, its vertices are the samples, moved onto it but for such detail."),
       openings(),
@@ -349,9 +356,9 @@ std::vector<Parameter> reconstruct_parameters() {
       exclude_outliers(),
       advanced(boolean(kKeepStages, "Keep every stage as a layer", false,
                        "Also add the initial mesh (As in the paper: the bounding box before "
-                       "it), the control mesh, the parametric surface and, unless the run stops "
-                       "there, the complete matching before its edges are optimised, each as a "
-                       "layer, in this order. In the complete matching and in the result through "
+                       "it), the control mesh and, unless the run stops there, the parametric "
+                       "surface and the complete matching before its edges are optimised, each as "
+                       "a layer, in this order. In the complete matching and in the result through "
                        "every sample the vertex quality is the distance from the parametric "
                        "surface (unless the points bring a quality of their own), and the face "
                        "quality of faces that span an opening their longest edge in sample "
@@ -362,7 +369,7 @@ std::vector<Parameter> reconstruct_parameters() {
       cut_false_handles(),
   };
   append(list, solid_parameters());
-  list.push_back(repair_intersections());
+  list.push_back(repair_intersections_of_all_stages());
   return list;
 }
 

@@ -1,4 +1,4 @@
-// What the values of a filter's parameters mean to the algorithm.
+// What the values of a filter's parameters mean to the algorithm. No Qt, no host types.
 #pragma once
 
 #include "filter_parameters.h"

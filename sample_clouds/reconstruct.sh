@@ -12,7 +12,7 @@
 # --surface    stop at the parametric surface, for noisy clouds
 # --leave-open take the faces that span openings of the scan away
 # --threads N  threads for each input (0: all)
-# --set NAME=VALUE  any parameter of the filter, as often as there are some to set: --set Openings=Automatic,
+# --set NAME=VALUE  any parameter that shapes the mesh, as often as there are some to set: --set Openings=Automatic,
 #              --set MaximumGenus=0, --set ExcludeOutliers=false. Choices go by their number or their name.
 #              --set help lists the names, the kinds of value and the defaults. The last of several settings counts.
 #
@@ -52,9 +52,10 @@ is_like() { # value, extended regular expression
   case $1 in *[!-+.0-9eE]*) return 1 ;; esac
   printf '%s\n' "$1" | grep -qxE -e "$2"
 }
-# The parameters of the filter: name, kind, default; of a choice its names as well.
+# The parameters of the filter but KeepStages: name, kind, default; of a choice its names as well.
 list_parameters() {
-  sed -n -e 's/.*<Param type="Rich\([A-Za-z]*\)" name="\([A-Za-z]*\)" value="\([^"]*\)"\(.*\)\/>.*/\2  \1  \3 \4/' \
+  sed -n -e '/name="KeepStages"/d' \
+    -e 's/.*<Param type="Rich\([A-Za-z]*\)" name="\([A-Za-z]*\)" value="\([^"]*\)"\(.*\)\/>.*/\2  \1  \3 \4/' \
     -e 's/ enum_cardinality="[0-9]*"//' -e 's/ enum_val\([0-9]*\)="\([^"]*\)"/  \1: \2/gp' -e 's/ $//p' "$script"
 }
 # Sets one parameter. Whether a number is within its range the filter says, which names the parameter then.

@@ -156,8 +156,9 @@ TEST(Openings, ThatAreLeftOpenStayOpen) {
   std::sort(matching.opening_faces.begin(), matching.opening_faces.end());
   matching.spanning_faces = matching.opening_faces;
   Progress silent;
-  const std::vector<Index> removed = close_openings(matching, first_extra, silent).removed;
-  EXPECT_FALSE(removed.empty());
+  const ClosingOfMatching closing = close_openings(matching, first_extra, silent);
+  EXPECT_FALSE(closing.removed.empty());
+  EXPECT_GT(closing.tests, 0);
   // All others are of faces that stay.
   EXPECT_EQ(mesh.vertex_count(), first_extra + 1);
   EXPECT_EQ(static_cast<Index>(matching.sample_of_vertex.size()), mesh.vertex_count());

@@ -129,7 +129,9 @@ TEST(FarStrays, EveryFilterLeavesThemOutUnlessTheyAreToStay) {
     run(Filter::reconstruct, {flat, {}});
     FAIL() << "they are flat";
   } catch (const InvalidInput& error) {
-    EXPECT_TRUE(is_in({error.what()}, " but 1 (ten thousand times as far away as the others reach, left out)")) << error.what();
+    EXPECT_TRUE(is_in({error.what()},
+                      " but 1 (ten thousand times as far away as the others reach, left out)"))
+        << error.what();
   }
 }
 

@@ -160,13 +160,22 @@ TEST(FilterLog, AdviceForNoiseIsWhatTheFilterCanDo) {
                 "SmoothForNoise");
   // Who follows it is not told again.
   EXPECT_FALSE(is_in(run(Filter::initial_mesh, input, {{"SmoothForNoise", 1}}).warnings, "noisy"));
-  // But for the method that cannot.
-  for (const double method : {0.0, 1.0})
-    EXPECT_EQ(is_in(run(Filter::reconstruct, input,
-                        {{"StopAtParametricSurface", 1}, {"Method", method}, {"Openings", 0}})
-                        .warnings,
-                    "smooths nothing"),
-              method == 1.0);
+  // The paper's method cannot, whatever is chosen beside it.
+  const auto is_told_to_change = [&](Filter filter, double method, double stop) {
+    const FilterOutcome outcome =
+        run(filter, input,
+            {{"Method", method}, {"StopAtParametricSurface", stop}, {"SmoothForNoise", stop}});
+    if (method == 1.0) {
+      EXPECT_FALSE(is_in(outcome.warnings, "(StopAtParametricSurface)"));
+      EXPECT_FALSE(is_in(outcome.warnings, "(SmoothForNoise)"));
+    }
+    return is_in(outcome.warnings, "smooths nothing");
+  };
+  for (const Filter filter : {Filter::reconstruct, Filter::initial_mesh})
+    for (const double stop : {0.0, 1.0}) {
+      EXPECT_TRUE(is_told_to_change(filter, 1.0, stop));
+      EXPECT_FALSE(is_told_to_change(filter, 0.0, stop));
+    }
 }
 
 TEST(FilterLog, ThePaperClosesEveryOpeningAndSaysSo) {

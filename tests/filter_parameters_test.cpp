@@ -1,4 +1,4 @@
-#include "filter_requests.h"
+#include "filter_parameters.h"
 
 #include <gtest/gtest.h>
 
@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <set>
+
+#include "filter_requests.h"
 
 namespace {
 

@@ -243,7 +243,7 @@ class ReconstructScript(ScriptTest):
     def test_parameters_are_listed(self):
         self.assertEqual(self.call("--set", "help"), 0, self.text)
         self.assertIn("Openings  Enum  0   0: Close  1: Leave open  2: Automatic\n", self.text)
-        self.assertEqual(len(self.text.splitlines()), 15)
+        self.assertEqual(len(self.text.splitlines()), 14)
 
     def test_inputs_that_cannot_be_read(self):
         (self.folder / "empty.ply").touch()

@@ -52,7 +52,8 @@ struct RepairReport {
   Index after = 0;
   Index faces_before = 0;  ///< that meet others: exact however many pairs are known
   Index faces_after = 0;
-  Index faces_before_annealing = 0;    ///< those that flips and relocations left
+  Index faces_before_annealing = 0;    ///< those that flips and relocations left; of several
+                                       ///< repairs that annealed, the most
   std::vector<Index> remaining_faces;  ///< those that are left, ascending
   Index flips = 0;
   Index relocated = 0;  ///< samples
@@ -75,7 +76,7 @@ struct RepairReport {
     faces_before = std::max(faces_before, further.faces_before);
     after = further.after;
     faces_after = further.faces_after;
-    // Where nothing was annealed, flips and relocations of the other may have parted them.
+    // What a repair left that annealed nothing, moves of the other may have parted.
     faces_before_annealing = std::max(annealed > 0 ? faces_before_annealing : 0,
                                       further.annealed > 0 ? further.faces_before_annealing : 0);
     remaining_faces = std::move(further.remaining_faces);

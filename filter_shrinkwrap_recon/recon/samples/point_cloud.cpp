@@ -176,12 +176,14 @@ Extent extent_of(const PointCloud& cloud, Progress& progress) {
 }
 
 // A closed surface needs samples on all sides: refuses what is flat up to the rounding of its
-// coordinates. Stray points may be why it is, or why it does not look so.
+// coordinates. Stray points may make a cloud look flat; those left out are told too.
 void refuse_flat(const std::vector<Vec3>& points, const PointCloud& cloud, const Rounding& rounding,
                  const FarStrays& left_out, Progress& progress) {
   const Extent extent = extent_of(cloud, progress);
   if (!extent.is_flat(rounding)) return;
-  const std::size_t strays = find_far_strays(points, {}, progress).distinct.size();
+  const std::size_t strays = left_out.all.empty()
+                                 ? find_far_strays(points, {}, progress).distinct.size()
+                                 : left_out.distinct.size();
   const std::string count = std::to_string(strays);
   const std::string far = "ten thousand times as far away as the others reach";
   std::string what =
