@@ -49,26 +49,30 @@ python_with() {
   echo python3
 }
 
-# configure FOLDER [cmake options]: quick when it was done before. Output only if it fails.
+# configure FOLDER [cmake options]: quick when it was done before. Output only if it fails. Scripts that run at the same
+# time take turns.
 configure() {
   folder=$1
   shift
   mkdir -p "$folder"
-  quietly "$folder/configure.log" cmake -S "$root" -B "$folder" "$@"
+  quietly "$folder/configure.log" flock "$folder/lock" cmake -S "$root" -B "$folder" "$@"
 }
 
 # compile FOLDER [targets]
 compile() {
   folder=$1
   shift
-  quietly "$folder/compile.log" cmake --build "$folder" --parallel "$(nproc)" ${1:+--target} "$@"
+  quietly "$folder/compile.log" flock "$folder/lock" cmake --build "$folder" --parallel "$(nproc)" ${1:+--target} "$@"
 }
 
 # quietly LOG command...: output only if it fails: its last lines, and where the rest is.
 quietly() {
   log=$1
   shift
-  "$@" >"$log" 2>&1 || {
+  code=0
+  "$@" >"$log.$$" 2>&1 || code=$?
+  mv -f "$log.$$" "$log"
+  [ "$code" -eq 0 ] || {
     tail -n 60 "$log" >&2
     die "this failed: $* (all of its output: $log)"
   }

@@ -162,11 +162,13 @@ class NewLayers {
     layer->cm.Tr = samples.cm.Tr;
     layer->updateDataMask(MeshModel::MM_VERTNORMAL | MeshModel::MM_FACENORMAL);
   }
-  // Points of the samples' layer, selected.
+  // Points of the samples' layer, selected. The layer before it stays the current one.
   void add_points(const ResultMesh& chosen, const QString& name, const MeshModel& samples,
                   const VcgPoints& points) {
+    const MeshModel* const current = document_.mm();
     add(chosen, name, samples, points, {});
     for (auto& vertex : layers_.back()->cm.vert) vertex.SetS();
+    document_.setCurrentMesh(current->id());
   }
   void keep() { is_kept_ = true; }
 
@@ -298,8 +300,6 @@ Figures ShrinkWrapReconPlugin::run_on_layers(Filter filter, MeshDocument& docume
   const FilterOutcome outcome = run_filter(filter, request, input, progress);
 
   NewLayers layers(document);
-  if (!outcome.outliers.position.empty())
-    layers.add_points(outcome.outliers, base_name(samples) + kOutliers, samples, points);
   for (const StageRecord& stage : outcome.stages)
     layers.add(stage.mesh, base_name(samples) + " " + QString::fromStdString(stage.name), samples,
                points, {});
@@ -314,6 +314,9 @@ Figures ShrinkWrapReconPlugin::run_on_layers(Filter filter, MeshDocument& docume
       if (!vertex.IsD())
         vertex.Q() = static_cast<CMeshO::VertexType::QualityType>(outcome.distance[next++]);
   }
+  // Last, so that the numbers of the other layers are those that scripts count on.
+  if (!outcome.outliers.position.empty())
+    layers.add_points(outcome.outliers, base_name(samples) + kOutliers, samples, points);
   layers.keep();
 
   for (const std::string& warning : outcome.warnings) log_line(GLLogStream::WARNING, warning);

@@ -164,6 +164,7 @@ while [ "$left" -gt 0 ]; do
   argument=$1
   shift
   left=$((left - 1))
+  case $argument in -*) argument=./$argument ;; esac # no option of what it is given to
   if [ ! -d "$argument" ]; then
     set -- "$@" "$argument"
     continue
@@ -173,7 +174,7 @@ while [ "$left" -gt 0 ]; do
   for file in "${argument%/}"/*; do
     case $(printf %s "${file##*.}" | tr '[:upper:]' '[:lower:]') in
       ply | obj | off | stl | xyz | pts | asc | ptx)
-        case $file in *_shrink_wrap.*) continue ;; esac
+        case ${file##*/} in *_shrink_wrap.*) continue ;; esac
         if [ -f "$file" ]; then
           set -- "$@" "$file"
           found=yes
@@ -183,6 +184,7 @@ while [ "$left" -gt 0 ]; do
   done
   [ -n "$found" ] || die "no point clouds in the folder $argument"
 done
+case $output in -*) output=./$output ;; esac
 if [ -n "$output" ] && { [ -n "$several" ] || [ -d "$output" ]; }; then
   results=$output
   output=

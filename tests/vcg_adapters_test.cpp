@@ -153,6 +153,11 @@ TYPED_TEST(Adapters, LeavesTheMeshAloneWhenItFails) {
   fill(mesh, {{7, 8, 9}});
   EXPECT_THROW(shrinkwrap_reconstruct(cloud, mesh), InvalidInput);
   EXPECT_EQ(mesh.VN(), 1);
+  // A cloud that is to be its own mesh would lose what its points have.
+  TypeParam both;
+  fill(both, sample_shape(ShapeKind::sphere, 100, 1));
+  EXPECT_THROW(shrinkwrap_reconstruct(both, both), InvalidInput);
+  EXPECT_EQ(both.FN(), 0);
 }
 
 TEST(VcgAdapters, ReadsLiveAndSelectedVerticesOnly) {
@@ -251,7 +256,23 @@ TEST(VcgAdapters, NothingIsLeftOfWhatWasInTheMesh) {
   mesh.face.EnableQuality();
   for (auto& vertex : mesh.vert) vertex.R() = 7.0f;
   for (auto& face : mesh.face) face.Q() = 7.0f;
+  // An attribute of another type than the cloud has under this name, and one that it has not.
+  using Allocator = vcg::tri::Allocator<DoubleMesh>;
+  Allocator::AddPerVertexAttribute<float>(mesh, "flow");
+  Allocator::AddPerVertexAttribute<float>(mesh, "weight");
+  Allocator::AddPerFaceAttribute<int>(mesh, "part");
+  auto flow = Allocator::AddPerVertexAttribute<vcg::Point3d>(cloud, "flow");
+  flow[0] = vcg::Point3d(1, 2, 3);
+  result.input_index[0] = 0;
+  mesh.textures.push_back("wood.png");
   mesh_to_vcg(result, cloud, points, mesh);
+  EXPECT_EQ(mesh.vert_attr.size(), 1u);
+  EXPECT_TRUE(mesh.face_attr.empty());
+  EXPECT_TRUE(mesh.textures.empty());
+  auto flow_out = Allocator::FindPerVertexAttribute<vcg::Point3d>(mesh, "flow");
+  ASSERT_TRUE(Allocator::IsValidHandle(mesh, flow_out));
+  EXPECT_EQ(flow_out[0], vcg::Point3d(1, 2, 3));
+  EXPECT_EQ(flow_out[1], vcg::Point3d());
   ASSERT_EQ(mesh.VN(), static_cast<int>(result.position.size()));
   for (const auto& vertex : mesh.vert) EXPECT_NE(vertex.cR(), 7.0f);
   for (const auto& face : mesh.face) EXPECT_NE(face.cQ(), 7.0f);

@@ -57,13 +57,13 @@ void update_normals(Mesh& mesh) {
 
 }  // namespace internal
 
-/// Replaces the content of `mesh` by a result. A vertex that stands for a sample gets what that
-/// vertex of the cloud has (of the components that both meshes have enabled: colour, quality,
-/// radius, texture coordinates ..., and custom attributes of type float, double, int and
-/// vcg::Point3); others get what the vertex of `data_index` has, or the defaults. Coordinates are
-/// the result's, normals, if there are any, are computed and point outwards (points without faces
-/// keep theirs), nothing is selected but `marked_faces`; the bounding box is updated. Pre: `result`
-/// was made from `points` of `cloud`. O(V + F).
+/// Replaces the content of `mesh`, custom attributes too, by a result. A vertex that stands for a
+/// sample gets what that vertex of the cloud has (of the components that both meshes have enabled:
+/// colour, quality, radius, texture coordinates ..., and custom attributes of type float, double,
+/// int and vcg::Point3); others get what the vertex of `data_index` has, or the defaults.
+/// Coordinates are the result's, normals, if there are any, are computed and point outwards (points
+/// without faces keep theirs), nothing is selected but `marked_faces`; the bounding box is updated.
+/// Pre: `result` was made from `points` of `cloud`, which is another mesh. O(V + F).
 template <class CloudMesh, class Mesh>
 void mesh_to_vcg(const ResultMesh& result, const CloudMesh& cloud, const VcgPoints& points,
                  Mesh& mesh, const std::vector<Index>& marked_faces = {}) {
@@ -71,7 +71,10 @@ void mesh_to_vcg(const ResultMesh& result, const CloudMesh& cloud, const VcgPoin
   using Scalar = typename Mesh::ScalarType;
 
   mesh.Clear();
-  // Optional components would keep their values.
+  // It would keep these, and optional components their values.
+  mesh.ClearAttributes();
+  mesh.textures.clear();
+  mesh.normalmaps.clear();
   mesh.vert.resize(0);
   mesh.face.resize(0);
   vcg::tri::Allocator<Mesh>::AddVertices(mesh, result.position.size());

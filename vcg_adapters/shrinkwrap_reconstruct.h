@@ -15,8 +15,8 @@ namespace shrinkwrap {
 
 /// Reconstructs `cloud` into `mesh`, whose content is replaced on success and left alone otherwise.
 /// Needs no normals; the mesh needs the precision of the cloud. Vertices that are no samples get
-/// colours and other data of the nearest sample. Throws InvalidInput, Cancelled or
-/// ReconstructionFailed. Returns what is known of the run; its mesh was moved out.
+/// colours and other data of the nearest sample. Throws InvalidInput, also if `mesh` is the cloud,
+/// Cancelled or ReconstructionFailed. Returns what is known of the run; its mesh was moved out.
 ///
 ///     MyMesh cloud, mesh;
 ///     vcg::tri::io::Importer<MyMesh>::Open(cloud, "cloud.ply");
@@ -28,6 +28,8 @@ Reconstruction shrinkwrap_reconstruct(const CloudMesh& cloud, Mesh& mesh,
                                       bool selected_only = false) {
   static_assert(sizeof(typename Mesh::ScalarType) >= sizeof(typename CloudMesh::ScalarType),
                 "samples would lose digits on their way into the mesh");
+  if (static_cast<const void*>(&cloud) == static_cast<const void*>(&mesh))
+    throw InvalidInput("the mesh is to be another than the cloud, whose data it gets");
   options.host_scalar = std::is_same<typename Mesh::ScalarType, float>::value
                             ? HostScalar::single_precision
                             : HostScalar::double_precision;

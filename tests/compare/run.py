@@ -47,6 +47,10 @@ def arguments():
     for path in [*options.clouds, *([options.truth] if options.truth else [])]:
         if not path.is_file():
             parser.error(f"there is no file {path}")
+    names = [plain(path.stem) for path in options.clouds]
+    for name in names:
+        if names.count(name) > 1:
+            parser.error(f"several clouds are named {name}, and so would be their meshes: rename all but one")
     return options
 
 

@@ -286,6 +286,13 @@ class Measures(HostTest):
         run = self.succeeds(SCRIPTS / "checked_reconstruction.mlx")
         self.assertIn("complete: closed 2-manifold of genus 1", run.log)
 
+    def test_stray_points_do_not_move_the_result_to_another_layer(self):
+        write_ply(self.cloud, [*torus(3000), (50, 50, 50)])
+        run = self.succeeds(SCRIPTS / "checked_reconstruction.mlx")
+        self.assertIn("1 outlier left out", run.log)
+        self.assertIn("complete: closed 2-manifold of genus 1", run.log)
+        self.assertEqual(check(CHECKER, self.mesh, self.cloud)["faces"], 6000)
+
     def test_report_of_an_incomplete_mesh(self):
         write_ply(self.cloud, sphere(100))
         tetrahedron = self.folder / "tetrahedron.ply"

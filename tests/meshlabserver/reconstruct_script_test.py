@@ -54,6 +54,15 @@ class ReconstructScript(ScriptTest):
         cloud = self.cloud("-i [a]*?.PLY", sphere(600))
         self.assertEqual(self.call("--", cloud.name), 0, self.text)
         self.assertEqual(check(CHECKER, self.folder / "-i [a]*?_shrink_wrap.ply", cloud)["complete"], 1)
+        (self.folder / "-in_shrink_wrap.old").mkdir()
+        cloud = self.cloud("-in_shrink_wrap.old/a.ply", sphere(600))
+        for arguments, written in ((("--", "-in_shrink_wrap.old"), "-in_shrink_wrap.old/a_shrink_wrap.ply"),
+                                   (("-o", "-out", "--", "-in_shrink_wrap.old"), "-out/a_shrink_wrap.ply"),
+                                   (("a.ply", "-o", "-mesh.ply"), "-mesh.ply")):
+            with self.subTest(arguments=arguments):
+                self.cloud("a.ply", sphere(600))
+                self.assertEqual(self.call(*arguments), 0, self.text)
+                self.assertEqual(check(CHECKER, self.folder / written, cloud)["complete"], 1)
 
     def test_several_inputs_and_one_that_fails(self):
         first, second = self.cloud("a.ply", sphere(600)), self.cloud("b.ply", torus(1500))
