@@ -49,31 +49,47 @@ python_with() {
   echo python3
 }
 
-# configure FOLDER [cmake options]: quick when it was done before. Output only if it fails. Scripts that run at the same
-# time take turns.
+# Scripts that run at the same time take turns at a build folder.
+wait_for_others() { # FOLDER
+  mkdir -p "$1"
+  flock -n "$1/lock" true || {
+    say "Waiting for what another script builds in $1"
+    flock "$1/lock" true
+  }
+}
+
+# configure FOLDER [cmake options]: quick when it was done before. Output only if it fails.
 configure() {
   folder=$1
   shift
-  mkdir -p "$folder"
-  quietly "$folder/configure.log" flock "$folder/lock" cmake -S "$root" -B "$folder" "$@"
+  wait_for_others "$folder"
+  in_turn "$folder" configure.log cmake -S "$root" -B "$folder" "$@"
 }
 
 # compile FOLDER [targets]
 compile() {
   folder=$1
   shift
-  quietly "$folder/compile.log" flock "$folder/lock" cmake --build "$folder" --parallel "$(nproc)" ${1:+--target} "$@"
+  in_turn "$folder" compile.log cmake --build "$folder" --parallel "$(nproc)" ${1:+--target} "$@"
+}
+
+# in_turn FOLDER LOG program...: quietly, while no other script builds there.
+in_turn() {
+  lock=$1/lock log=$1/$2
+  shift 2
+  # shellcheck disable=SC2016  # the parameters are those of the inner shell
+  flock "$lock" sh -c 'log=$1 && shift && exec "$@" >"$log" 2>&1' sh "$log" "$@" || failed "$log" "$@"
 }
 
 # quietly LOG command...: output only if it fails: its last lines, and where the rest is.
 quietly() {
   log=$1
   shift
-  code=0
-  "$@" >"$log.$$" 2>&1 || code=$?
-  mv -f "$log.$$" "$log"
-  [ "$code" -eq 0 ] || {
-    tail -n 60 "$log" >&2
-    die "this failed: $* (all of its output: $log)"
-  }
+  "$@" >"$log" 2>&1 || failed "$log" "$@"
+}
+failed() { # LOG command...
+  log=$1
+  shift
+  tail -n 60 "$log" >&2
+  die "this failed: $* (all of its output: $log)"
 }

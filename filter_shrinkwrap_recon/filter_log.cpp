@@ -139,11 +139,13 @@ void warn_of(const OrientationReport& report, std::vector<std::string>& warnings
 }
 
 std::string advice_for_noise(Filter filter, bool is_robust) {
-  if (!is_robust)
-    return "For a smooth one near them choose the method Robust: As in the paper smooths nothing.";
+  const std::string method =
+      is_robust ? "" : "Choose the method Robust, since As in the paper smooths nothing. ";
   if (filter == Filter::reconstruct)
-    return "Stop at the parametric surface (StopAtParametricSurface) for a smooth one near them.";
-  return "For a smooth one near them, smooth for noise in this filter and in the others that can "
+    return method +
+           "Stop at the parametric surface (StopAtParametricSurface) for a smooth one near them.";
+  return method +
+         "For a smooth one near them, smooth for noise in this filter and in the others that can "
          "(SmoothForNoise), and leave off after Parametric Surface.";
 }
 

@@ -356,9 +356,10 @@ std::vector<Parameter> reconstruct_parameters() {
       exclude_outliers(),
       advanced(boolean(kKeepStages, "Keep every stage as a layer", false,
                        "Also add the initial mesh (As in the paper: the bounding box before "
-                       "it), the control mesh and, unless the run stops there, the parametric "
-                       "surface and the complete matching before its edges are optimised, each as "
-                       "a layer, in this order. In the complete matching and in the result through "
+                       "it), the control mesh, the parametric surface (unless it is the result) "
+                       "and, unless the run stops there, the complete matching before its edges "
+                       "are optimised, each as a layer, in this order. In the complete matching "
+                       "and in the result through "
                        "every sample the vertex quality is the distance from the parametric "
                        "surface (unless the points bring a quality of their own), and the face "
                        "quality of faces that span an opening their longest edge in sample "

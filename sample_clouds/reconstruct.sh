@@ -207,6 +207,7 @@ need_server
 
 # A folder that is there keeps its own choice about tests and warnings: to change it would compile everything again, and
 # then once more for tests/run.sh. Only if a warning has stopped the compiler, it is no reason to do without the plugin.
+wait_for_others "$build"
 if [ -f "$build/CMakeCache.txt" ]; then
   configure "$build" -DSHRINKWRAP_BUILD_PLUGIN=ON
 else

@@ -23,6 +23,15 @@ bool carries_data(const CloudMesh& cloud) {
          !cloud.vert_attr.empty();
 }
 
+// Zero, also of types that leave their memory as it was.
+template <class Value>
+Value zero() {
+  if constexpr (std::is_arithmetic<Value>::value)
+    return Value(0);
+  else
+    return Value(0, 0, 0);
+}
+
 // Copies the custom per-vertex attributes of exactly one type, by sample. (The library's own
 // look-up takes any type of the same size for it.)
 template <class Value, class CloudMesh, class Mesh>
@@ -36,7 +45,7 @@ void copy_vertex_attributes(const CloudMesh& cloud, const std::vector<std::size_
     auto to =
         vcg::tri::Allocator<Mesh>::template GetPerVertexAttribute<Value>(mesh, attribute._name);
     for (std::size_t v = 0; v < cloud_vertex.size(); ++v)
-      to[v] = cloud_vertex[v] == kNoVertex ? Value() : from[cloud_vertex[v]];
+      to[v] = cloud_vertex[v] == kNoVertex ? zero<Value>() : from[cloud_vertex[v]];
   }
 }
 
