@@ -44,7 +44,10 @@ class DoubleFace
     : public vcg::Face<DoubleTypes, vcg::face::InfoOcf, vcg::face::VertexRef, vcg::face::FFAdjOcf,
                        vcg::face::QualityfOcf, vcg::face::BitFlags, vcg::face::Mark> {};
 class DoubleMesh : public vcg::tri::TriMesh<vcg::vertex::vector_ocf<DoubleVertex>,
-                                            vcg::face::vector_ocf<DoubleFace>> {};
+                                            vcg::face::vector_ocf<DoubleFace>> {
+ public:
+  ~DoubleMesh() { ClearAttributes(); }
+};
 
 // Normals of the vertices alone. (Faces without normals name the type of these for theirs.)
 class ShadedVertex;
