@@ -31,7 +31,7 @@ trap 'exit 1' HUP INT TERM
 mkdir -p "$work/lists/partial" "$work/cache/archives/partial" "$work/parts" "$work/source"
 
 # The machine's own sources, as sources of source packages, options such as signed-by included.
-[ ! -f /etc/apt/sources.list ] || sed -n 's/^[[:space:]]*deb[[:space:]]/deb-src /p' /etc/apt/sources.list >"$work/parts/main.list"
+[ ! -f /etc/apt/sources.list ] || sed -n 's/^[[:space:]]*deb[[:space:]]/deb-src /p' /etc/apt/sources.list >"$work/parts/of-sources.list.list"
 for entry in /etc/apt/sources.list.d/*.list; do
   [ ! -f "$entry" ] || sed -n 's/^[[:space:]]*deb[[:space:]]/deb-src /p' "$entry" >"$work/parts/$(basename "$entry")"
 done

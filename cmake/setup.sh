@@ -17,11 +17,10 @@ die() {
 require_packages() {
   missing=''
   for package in "$@"; do
+    # One line for each architecture that it is there for.
     # shellcheck disable=SC2016  # the braces are dpkg-query's
-    case $(dpkg-query -W -f='${Status}' "$package" 2>/dev/null) in
-      "install ok installed") ;;
-      *) missing="$missing $package" ;;
-    esac
+    dpkg-query -W -f='${Status}\n' "$package" 2>/dev/null | grep -qx "install ok installed" ||
+      missing="$missing $package"
   done
   [ -n "$missing" ] || return 0
   as_root=''

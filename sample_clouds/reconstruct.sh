@@ -278,10 +278,16 @@ in_own_group() { # folder that gets the file `group`, command...
   setsid -w sh -c 'echo $$ >"$0/group"; [ ! -e "${0%/*}/stopped" ] || exit 143; exec "$@"' "$@"
 }
 
+# Whether there is room for more. The host says that it could not write, but not of the last few thousand bytes of a file.
+has_room() { # file to try with
+  head -c 65536 /dev/zero 2>/dev/null >"$1" && rm -f "$1"
+}
+
 # reconstruct INPUT TARGET FOLDER: writes TARGET only if all went well; FOLDER gets `log`, and `status`, one line.
 reconstruct() {
   input=$1 target=$2 job=$3
   give_up() {
+    rm -f "$job"/mesh.* "$job/room" # there may be room for nothing else
     printf 'failed: %s\n' "$*" >"$job/status"
     return 1
   }
@@ -339,11 +345,15 @@ reconstruct() {
     give_up "MeshLab failed (exit $code): $(tail -n 1 "$job/host.log")"
   elif [ ! -s "$mesh" ]; then
     give_up "MeshLab did not write the mesh: can it write the format .${target##*.}?"
+  elif ! grep -q '^Mesh .* saved as ' "$job/host.log" || ! has_room "$job/room"; then
+    give_up "MeshLab could not write the whole mesh: is ${TMPDIR:-/tmp} full?"
   else
     # Beside the target first, so that a name never stands for half a file; never into a file that is there (-C).
     beside=${target_folder:-}/.shrink_wrap.$$.${job##*/}
-    (set -C && : >"$beside") 2>/dev/null || { give_up "$target_folder cannot be written to"; return; }
-    if cat "$mesh" >"$beside" && mv -f "$beside" "$target"; then
+    if ! (set -C && : >"$beside") 2>/dev/null; then
+      give_up "$target_folder cannot be written to"
+    elif cat "$mesh" >"$beside" && mv -f "$beside" "$target"; then
+      rm -f "$mesh"
       printf 'done: %s\n' "$verdict" >"$job/status"
     else
       rm -f "$beside"

@@ -8,6 +8,10 @@ set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 . "$root/cmake/setup.sh"
 
+case " $* " in
+  *" --help "* | *" -h "*) exec python3 "$root/tests/benchmark/run.py" --help ;;
+esac
+
 # shellcheck disable=SC2086  # lists of words
 require_packages $host_packages $test_packages python3-matplotlib
 configure "$build" -DSHRINKWRAP_BUILD_PLUGIN=ON -DSHRINKWRAP_BUILD_TESTS=ON

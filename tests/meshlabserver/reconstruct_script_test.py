@@ -41,6 +41,14 @@ class ScriptTest(unittest.TestCase):
 
 
 class ReconstructScript(ScriptTest):
+    def path_with_host_run_by(self, commands):
+        """A PATH with another program in the place of the one that runs the host."""
+        programs = self.folder / "programs"
+        programs.mkdir()
+        (programs / "xvfb-run").write_text(f"#!/bin/sh\n{commands}\n")
+        (programs / "xvfb-run").chmod(0o755)
+        return f"{programs}:{os.environ['PATH']}"
+
     def test_one_input_to_a_named_output(self):
         cloud = self.cloud("größte Kugel 点群.ply", torus(2000))
         output = self.folder / "Ergebnis № 1.ply"
@@ -106,11 +114,8 @@ class ReconstructScript(ScriptTest):
 
     def test_a_killed_host_is_not_taken_for_a_late_one(self):
         self.cloud("a.ply", sphere(600))
-        programs = self.folder / "programs"
-        programs.mkdir()
-        (programs / "xvfb-run").write_text("#!/bin/sh\nkill -9 $$\n")
-        (programs / "xvfb-run").chmod(0o755)
-        self.assertEqual(self.call("a.ply", "--time-limit", "300", PATH=f"{programs}:{os.environ['PATH']}"), 1, self.text)
+        path = self.path_with_host_run_by("kill -9 $$")
+        self.assertEqual(self.call("a.ply", "--time-limit", "300", PATH=path), 1, self.text)
         self.assertIn("FAILED: MeshLab was killed", self.text)
 
     def test_a_stale_output_does_not_survive_a_failure(self):
@@ -273,6 +278,14 @@ class ReconstructScript(ScriptTest):
                 self.assertEqual(self.call("a.ply", "-o", output), 1, self.text)
                 self.assertEqual(cloud.read_bytes(), before)
         self.assertEqual([p.name for p in self.folder.iterdir()], ["a.ply"])
+
+    def test_half_a_mesh_is_none(self):
+        """A disk that is full is not taken for success, though the host ends as if nothing was wrong."""
+        self.cloud("a.ply", sphere(6000))
+        path = self.path_with_host_run_by(f"""trap '' XFSZ\nulimit -f 128\nexec '{shutil.which("xvfb-run")}' "$@\"""")
+        self.assertEqual(self.call("a.ply", PATH=path), 1, self.text)
+        self.assertIn("FAILED: MeshLab could not write the whole mesh", self.text)
+        self.assertFalse((self.folder / "a_shrink_wrap.ply").exists())
 
     def test_two_inputs_of_one_name_to_one_folder(self):
         for name in ("one", "two"):

@@ -125,7 +125,7 @@ try_suite() {
   say "$suite: MeshLab $version"
   rm -rf "${place:?}/$suite/source" "$place/$suite/pictures"
   mkdir "$place/$suite/source"
-  (cd "$root" && tar -c --exclude=./build* --exclude=./.git .) | tar -x -C "$place/$suite/source"
+  (cd "$root" && tar -c --exclude=./build* --exclude="./${build#"$root"/}" --exclude=./.git .) | tar -x -C "$place/$suite/source"
   cp "$cloud" "$place/$suite/cloud.ply"
   mkdir -p "$place/$suite/eigen/include" "$place/$suite/eigen/share/eigen3"
   cp -r /usr/include/eigen3 "$place/$suite/eigen/include/"

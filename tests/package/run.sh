@@ -50,7 +50,7 @@ xvfb-run -a "$prefix/bin/meshlabserver" -i "$cloud" -o "$work/prefix.ply" -s "$s
 [ -s "$work/prefix.ply" ] || die "meshlabserver wrote no mesh with the plugin installed into a prefix"
 passed "cmake --install --prefix, and a run"
 
-xargs rm <"$build/install_manifest.txt"
+xargs -d '\n' rm -- <"$build/install_manifest.txt"
 [ ! -e "$prefix/$plugin_path" ] || die "the plugin is still there after its removal by the manifest"
 passed "removal by install_manifest.txt"
 

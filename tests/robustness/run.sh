@@ -10,8 +10,23 @@ set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 . "$root/cmake/setup.sh"
 
+usage() { sed -n '2,/^set -eu/s/^# \{0,1\}//p' "$0"; }
+is_number() {
+  case $1 in '' | *[!0-9]* | ????????????*) return 1 ;; esac
+}
+
+case " $* " in
+  *" --help "* | *" -h "*)
+    usage
+    exit 0
+    ;;
+esac
 count=${1:-5000}
 seed=${2:-1}
+if [ $# -gt 2 ] || ! is_number "$count" || ! is_number "$seed"; then
+  usage >&2
+  die "COUNT and SEED are numbers, not: $*"
+fi
 # shellcheck disable=SC2086  # lists of words
 require_packages $host_packages $test_packages
 configure "$build" -DSHRINKWRAP_BUILD_TESTS=ON
