@@ -50,18 +50,22 @@ python_with() {
 
 # Scripts that run at the same time take turns at a build folder.
 wait_for_others() { # FOLDER
-  mkdir -p "$1"
+  if ! mkdir -p "$1" 2>/dev/null || [ ! -w "$1" ]; then
+    die "$1 cannot be written to: name another folder to build in, SHRINKWRAP_BUILD_DIR=<folder> in the environment"
+  fi
   flock -n "$1/lock" true || {
     say "Waiting for what another script builds in $1"
     flock "$1/lock" true
   }
 }
 
-# configure FOLDER [cmake options]: quick when it was done before. Output only if it fails.
+# configure FOLDER [cmake options]: quick when it was done before. More than a word of it only if it fails.
 configure() {
   folder=$1
   shift
   wait_for_others "$folder"
+  [ -f "$folder/CMakeCache.txt" ] ||
+    say "Building in $folder: some minutes the first time (compile.log there tells how far it is)"
   in_turn "$folder" configure.log cmake -S "$root" -B "$folder" "$@"
 }
 

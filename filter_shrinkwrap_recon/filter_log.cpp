@@ -41,6 +41,16 @@ std::string conditioning_line(const ConditioningReport& report, double spacing) 
                     "through every sample has them");
 }
 
+std::string coordinate_step_line(const ConditioningReport& report, double spacing) {
+  constexpr double kFine = 0.02;  // of the spacing
+  if (!(report.coordinate_step > kFine * spacing)) return "";
+  return "Coordinates this far from the origin are held in steps of " +
+         formatted("%.3g", report.coordinate_step) + " (single precision), " +
+         formatted("%.2g", report.coordinate_step / spacing) +
+         " of the median spacing, and the mesh passes through the points as they are held: " +
+         advice_for_coarse_steps();
+}
+
 namespace {
 
 std::string topology_of(const MeshReport& report) {
@@ -206,8 +216,9 @@ void tell_of_sheet(const OrientationReport& report, const ReconstructionOptions&
       options.complete_matching.openings != CompleteMatchingOptions::Openings::close)
     return;
   outcome.log.push_back(
-      "the cloud is an open sheet, such as terrain or one view: with automatic openings (Openings) "
-      "its shadows are closed, and its outline is not");
+      "the cloud is an open sheet, such as terrain or one view: openings can be left open, or "
+      "those "
+      "alone that are wider than a limit, such as its outline (Openings: Leave open, Automatic)");
 }
 
 std::string dense_parts_line(const InitialMeshReport& report) {
@@ -276,15 +287,20 @@ void tell_of_attempts(const Reconstruction& result, FilterOutcome& outcome) {
                   " % of the area across the planes of the samples in place of " +
                   formatted("%.2f", 100.0 * first.across) + " %"
             : "";
-    outcome.log.push_back(
-        "Matched again because of " + count_of(first.meeting, "face") +
-        " that met others until annealed, or still do, and " +
-        count_of(no_samples(first), "vertex that is no sample", "vertices that are no samples") +
-        " (some may have gone, with cuts), " + what + ": " +
-        (attempt.is_finished
-             ? std::to_string(second.meeting) + " and " + std::to_string(no_samples(second)) +
-                   " then" + across + ", and " + (attempt.is_taken ? "taken" : "not taken")
-             : "no mesh came of it"));
+    std::string faults;
+    if (first.meeting > 0)
+      faults = count_of(first.meeting, "face") + " that met others until annealed, or still do";
+    if (no_samples(first) > 0)
+      faults +=
+          (faults.empty() ? "" : " and ") +
+          count_of(no_samples(first), "vertex that is no sample", "vertices that are no samples") +
+          " (some may have gone, with cuts)";
+    outcome.log.push_back("Matched again because of " + faults + ", " + what + ": " +
+                          (attempt.is_finished
+                               ? count_of(second.meeting, "face") + " and " +
+                                     count_of(no_samples(second), "vertex", "vertices") + " then" +
+                                     across + ", and " + (attempt.is_taken ? "taken" : "not taken")
+                               : "no mesh came of it"));
   };
   tell(result.backs, "with the backs of sheets, where no sample is, as openings");
   tell(result.smoothing, "with a surface smoothed for the noise, of quadrics in place of planes");

@@ -19,6 +19,10 @@ std::string formatted(const char* format, double value);
 // Lines.
 std::string table_row(const std::string& stage, Index vertices, double seconds);
 std::string conditioning_line(const ConditioningReport& report, double spacing);
+
+/// Where single precision has taken digits from the coordinates that tell at this spacing, and what
+/// to do; empty elsewhere.
+std::string coordinate_step_line(const ConditioningReport& report, double spacing);
 std::string detail_line(const InitialMeshReport& report);
 std::string dense_parts_line(const InitialMeshReport& report);
 std::string repair_line(const RepairReport& report);

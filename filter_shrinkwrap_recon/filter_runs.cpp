@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "common/available_memory.h"
 #include "common/memory_estimate.h"
 #include "complete_matching/outliers_on_surface.h"
 #include "filter_log.h"
@@ -40,8 +41,9 @@ SurfaceMesh closed_surface(const ResultMesh& mesh, const Frame& frame) {
     return to_surface(mesh, frame);
   } catch (const InvalidInput& error) {
     throw InvalidInput(std::string(error.what()) +
-                       ". Choose the layer that the stage before made, or repair the mesh first "
-                       "(menu Filters, Cleaning and Repairing).");
+                       ". Choose the layer that the stage before made (one whose openings were "
+                       "left open is finished), or repair the mesh first (menu Filters, Cleaning "
+                       "and Repairing).");
   }
 }
 
@@ -63,9 +65,14 @@ PointCloud without_outliers(const FilterInput& input, const ReconstructionOption
   return cloud;
 }
 
+void tell_of_samples(const ConditioningReport& report, double spacing, FilterOutcome& outcome) {
+  outcome.log.push_back(conditioning_line(report, spacing));
+  const std::string steps = coordinate_step_line(report, spacing);
+  if (!steps.empty()) outcome.warnings.push_back(steps);
+}
+
 void tell_of_spacing(const PointCloud& cloud, FilterOutcome& outcome) {
-  outcome.log.push_back(
-      conditioning_line(cloud.conditioning, cloud.frame.to_input_length(cloud.spacing)));
+  tell_of_samples(cloud.conditioning, cloud.frame.to_input_length(cloud.spacing), outcome);
 }
 
 PointCloud prepare(const FilterInput& input, const ReconstructionOptions& options,
@@ -133,7 +140,7 @@ FilterOutcome run_reconstruct(const FilterRequest& request, const FilterInput& i
 
   FilterOutcome outcome;
   outcome.figures = figures_of(result.report);
-  outcome.log.push_back(conditioning_line(result.conditioning, result.spacing));
+  tell_of_samples(result.conditioning, result.spacing, outcome);
   tell_of_noise(Filter::reconstruct, result.noise, result.denoising, request.options, outcome);
   tell_of_view(result.orientation, outcome);
   tell_of_sheet(result.orientation, request.options, outcome);
@@ -502,7 +509,9 @@ FilterOutcome run_filter(Filter filter, const FilterRequest& request, const Filt
   const bool needs_faces = needs_mesh && filter != Filter::distance_to_samples;
   if (needs_faces && input.mesh.triangles.empty())
     throw InvalidInput(
-        "the layer chosen as Mesh has no faces: choose one that a reconstruction filter made");
+        "the layer chosen as Mesh has no faces: choose one that a reconstruction filter made "
+        "(where "
+        "stray points were left out, the layers after the first mesh have one number more)");
   if (needs_mesh && input.mesh.position.empty())
     throw InvalidInput("the layer chosen as Mesh has no vertices: choose another");
 

@@ -29,16 +29,17 @@ usage() { sed -n '2,/^set -eu/s/^# \{0,1\}//p' "$0"; }
 
 work=$(mktemp -d)
 stop() { # The host runs in process groups of its own, which no signal from the terminal reaches.
-  trap '' HUP INT TERM
+  trap '' HUP INT TERM PIPE
   touch "$work/stopped"
   for group in "$work"/*/group; do
     [ ! -s "$group" ] || kill -TERM -- "-$(cat "$group")" 2>/dev/null || :
   done
   wait
+  say "Stopped: ${shown:-0} of ${total:-0} were told of above; no others are to be relied on."
   exit 130
 }
 trap 'rm -rf "$work"' EXIT
-trap stop HUP INT TERM
+trap stop HUP INT TERM PIPE
 
 # --- arguments -----------------------------------------------------------------------------------------------------
 output='' jobs=1 time_limit=0
@@ -151,6 +152,8 @@ while [ "$left" -gt 0 ]; do
   esac
 done
 
+read_formats="ply, obj, off, stl, xyz, pts, asc and ptx"
+
 # --- inputs: folders become the clouds in them -----------------------------------------------------------------------
 results=''
 if [ $# -eq 0 ]; then
@@ -170,7 +173,7 @@ while [ "$left" -gt 0 ]; do
     continue
   fi
   several=yes
-  found=''
+  found='' left_alone=0
   for file in "${argument%/}"/*; do
     case $(printf %s "${file##*.}" | tr '[:upper:]' '[:lower:]') in
       ply | obj | off | stl | xyz | pts | asc | ptx)
@@ -180,13 +183,17 @@ while [ "$left" -gt 0 ]; do
           found=yes
         fi
         ;;
+      *) [ ! -e "$file" ] || left_alone=$((left_alone + 1)) ;;
     esac
   done
-  [ -n "$found" ] || die "no point clouds in the folder $argument"
+  [ -n "$found" ] || die "no point clouds in the folder $argument: MeshLab reads $read_formats"
+  [ "$left_alone" -eq 0 ] || [ "$argument" = "$root/sample_clouds" ] ||
+    say "$argument: $left_alone left alone, since they are folders or have other endings (MeshLab reads $read_formats)"
 done
 case $output in -*) output=./$output ;; esac
-if [ -n "$output" ] && { [ -n "$several" ] || [ -d "$output" ]; }; then
-  results=$output
+if [ -n "$several" ] || [ -d "$output" ] || [ "$output" != "${output%/}" ]; then
+  case $output in ?*/) output=${output%/} ;; esac
+  results=${output:-$results}
   output=
 fi
 [ -z "$results" ] || mkdir -p "$results"
@@ -283,6 +290,13 @@ has_room() { # file to try with
   head -c 65536 /dev/zero 2>/dev/null >"$1" && rm -f "$1"
 }
 
+# The first line of a text file, with its number, that begins with a word and has two more after it, but for NaN and
+# infinity.
+words_in() { # file
+  LC_ALL=C grep -niE '^[[:space:]]*[a-z/][^[:space:]]*[[:space:]]+[^[:space:]]+[[:space:]]+[^[:space:]]' "$1" 2>/dev/null |
+    LC_ALL=C grep -viE -m 1 '^[0-9]+:[[:space:]]*(nan|inf)' | tr -d '\r' | cut -c 1-60
+}
+
 # reconstruct INPUT TARGET FOLDER: writes TARGET only if all went well; FOLDER gets `log`, and `status`, one line.
 reconstruct() {
   input=$1 target=$2 job=$3
@@ -292,6 +306,12 @@ reconstruct() {
     return 1
   }
   case ${target##*/} in *?.?*) ;; *) give_up "$target has no ending that tells the format"; return ;; esac
+  case $(printf %s "${target##*.}" | tr '[:upper:]' '[:lower:]') in
+    xyz | pts | asc | ptx | txt | csv)
+      give_up "a file of the format .${target##*.} has no faces: write the mesh to .ply, .stl, .obj or .off"
+      return
+      ;;
+  esac
   target_folder=.
   case $target in */*) target_folder=${target%/*} ;; esac
   [ -d "${target_folder:-/}" ] || { give_up "there is no folder $target_folder"; return; }
@@ -307,8 +327,18 @@ reconstruct() {
   [ -s "$input" ] || { give_up "the file is empty"; return; }
   case ${input##*/} in *?.?*) ;; *) give_up "its name has no ending that tells the format"; return ;; esac
 
-  # The host meets plain names only: it does not cope with every character, and not in every locale.
   input_ending=$(printf %s "${input##*.}" | tr '[:upper:]' '[:lower:]')
+  case $input_ending in
+    xyz | pts | asc)
+      no_point=$(words_in "$input")
+      [ -z "$no_point" ] || {
+        give_up "line ${no_point%%:*} (${no_point#*:}) is no point, and MeshLab would read one at the origin: delete such lines"
+        return
+      }
+      ;;
+  esac
+
+  # The host meets plain names only: it does not cope with every character, and not in every locale.
   target_ending=$(printf %s "${target##*.}" | tr '[:upper:]' '[:lower:]')
   link=$job/cloud.$input_ending mesh=$job/mesh.$target_ending
   case $input in /*) ln -s "$input" "$link" ;; *) ln -s "$PWD/$input" "$link" ;; esac
@@ -324,11 +354,21 @@ reconstruct() {
   sed -n -e '1,/^.*filter: /d' -e '/^Mesh .* saved as /q' -e '/^Problem with filter/q' -e '/^Output mesh /q' \
     -e '/^Failed saving/q' -e p "$job/host.log" >"$job/log"
 
-  reason=$(sed -n 's/^Shrink Wrap failed: //p' "$job/log" | tail -n 1)
+  reason=$(sed -n -e 's/^Shrink Wrap failed: //' -e T -e 's/^layer "[^"]*": //' -e p "$job/log" | tail -n 1)
   verdict=$(sed -n 's/^Shrink Wrap succeeded: //p' "$job/log" | tail -n 1)
   if [ -e "$work/stopped" ]; then
     give_up "stopped"
   elif [ -n "$reason" ]; then
+    case $reason in
+      "the layer has no points"*)
+        reason="MeshLab found no points in it"
+        case $input_ending in
+          xyz | pts | asc)
+            reason="$reason: it takes lines of 3 numbers, or of 6 with normals or colours, with blanks between. Keep the first 3 of each: awk '{print \$1, \$2, \$3}'"
+            ;;
+        esac
+        ;;
+    esac
     give_up "$reason"
   elif [ "$time_limit" -gt 0 ] && [ "$(($(date +%s) - begun))" -ge "$time_limit" ] &&
     { [ "$code" -eq 124 ] || [ "$code" -eq 137 ]; }; then
@@ -337,10 +377,13 @@ reconstruct() {
     give_up "MeshLab was killed: for want of memory?"
   elif [ "$code" -gt 128 ] && [ "$code" -lt 192 ]; then
     when=
-    grep -q " loaded has " "$job/host.log" || when=" while reading it: is it a point cloud, and whole?"
+    grep -q " loaded has " "$job/host.log" || case $input_ending in
+      obj) when=" while reading it: MeshLab cannot read an OBJ with a face at its first vertex. Delete its faces, or save it as PLY" ;;
+      *) when=" while reading it: is it a point cloud, whole, and of a kind that MeshLab reads (PLY: ASCII or little-endian)?" ;;
+    esac
     give_up "MeshLab crashed (signal $((code - 128)))$when"
   elif grep -q "not possible to import mesh" "$job/host.log"; then
-    give_up "MeshLab cannot read it: is it a point cloud, whole, and in the format that its ending tells?"
+    give_up "MeshLab cannot read it: is it a point cloud, whole, in the format that its ending tells, and one of $read_formats?"
   elif [ "$code" -ne 0 ] || [ -z "$verdict" ]; then
     give_up "MeshLab failed (exit $code): $(tail -n 1 "$job/host.log")"
   elif [ ! -s "$mesh" ]; then
@@ -387,7 +430,7 @@ is_taken() { # target, inputs...
   case $taken in */*) place=${taken%/*}/ ;; esac
   key=$(printf '%s/%s' "$(realpath -m -- "$place")" "${taken##*/}" | tr '\n' '\001')
   if grep -qFx -e "$key" "$work/targets"; then
-    reason="another input is written to the same name, $taken"
+    reason="another input is written to the same name, $taken: rename one, or give them different folders (-o)"
     return 0
   fi
   printf '%s\n' "$key" >>"$work/targets"
@@ -437,7 +480,7 @@ for input in "$@"; do
     continue
   fi
   (
-    trap : HUP INT TERM # what is being moved into place is moved; the host is stopped by `stop`
+    trap : HUP INT TERM PIPE # what is being moved into place is moved; the host is stopped by `stop`
     started=$(date +%s)
     reconstruct "$input" "$target" "$job" || :
     echo $(($(date +%s) - started)) >"$job/seconds.partial"

@@ -35,17 +35,26 @@ Index count_bad_edges(const std::vector<std::pair<Index, Index>>& directed, Inde
   return bad;
 }
 
-// The faces at a vertex are one closed fan if the edges opposite to it form one cycle.
-bool is_one_cycle(std::vector<std::pair<Index, Index>> links) {
+enum class Fan { closed, open, none };
+
+// The faces at a vertex are one closed fan if the edges opposite to it form one cycle, and an open
+// one if they form one path.
+Fan fan_of(std::vector<std::pair<Index, Index>> links) {
   std::sort(links.begin(), links.end());
-  Index current = links.front().first;
+  std::set<Index> ends;
+  for (const auto& link : links) ends.insert(link.second);
+  const auto first = std::find_if(links.begin(), links.end(),
+                                  [&](const auto& link) { return ends.count(link.first) == 0; });
+  const bool is_path = first != links.end();
+  const Index begin = is_path ? first->first : links.front().first;
+  Index current = begin;
   for (std::size_t steps = 1; steps <= links.size(); ++steps) {
     const auto next = std::lower_bound(links.begin(), links.end(), std::pair(current, Index{0}));
-    if (next == links.end() || next->first != current) return false;
+    if (next == links.end() || next->first != current) return Fan::none;
     current = next->second;
-    if (current == links.front().first) return steps == links.size();
+    if (current == begin) return steps == links.size() ? Fan::closed : Fan::none;
   }
-  return false;
+  return is_path ? Fan::open : Fan::none;
 }
 
 }  // namespace
@@ -77,7 +86,9 @@ Topology topology_of(Index vertices, const std::vector<Triangle>& triangles) {
     if (links[v].empty()) continue;
     ++result.vertices;
     if (find_root(parent, v) == v) ++result.components;
-    if (!is_one_cycle(links[v])) ++result.bad_vertices;
+    const Fan fan = fan_of(links[v]);
+    result.bad_vertices += fan != Fan::closed;
+    result.split_vertices += fan == Fan::none;
   }
   return result;
 }

@@ -17,9 +17,10 @@ struct Topology {
   Index edges = 0;
   Index faces = 0;
   Index components = 0;
-  Index bad_faces = 0;     ///< repeated or unknown vertex
-  Index bad_edges = 0;     ///< not exactly two faces that run along them in opposite directions
-  Index bad_vertices = 0;  ///< whose faces are not one closed fan
+  Index bad_faces = 0;       ///< repeated or unknown vertex
+  Index bad_edges = 0;       ///< not exactly two faces that run along them in opposite directions
+  Index bad_vertices = 0;    ///< whose faces are not one closed fan
+  Index split_vertices = 0;  ///< of these: nor one fan between two border edges
   bool closed_manifold() const {
     return faces > 0 && bad_faces == 0 && bad_edges == 0 && bad_vertices == 0;
   }

@@ -16,12 +16,52 @@ TEST(FilterLog, WhatSuitsAnOpenSheetIsTold) {
   FilterInput strip, torus;
   strip.points = in_single_precision(sample_strip(600, 10, 4));
   torus.points = in_single_precision(sample_shape(ShapeKind::torus, 1000, 3));
-  const std::string told = "with automatic openings";
+  const std::string told = "the cloud is an open sheet";
   EXPECT_TRUE(is_told(run(Filter::reconstruct, strip), told));
   EXPECT_TRUE(is_told(run(Filter::reconstruct, strip, {{"StopAtParametricSurface", 1}}), told));
   EXPECT_FALSE(is_told(run(Filter::reconstruct, strip, {{"Openings", 2}}), told));
   EXPECT_FALSE(is_told(run(Filter::reconstruct, strip, {{"Method", 1}}), told));
   EXPECT_FALSE(is_told(run(Filter::reconstruct, torus), told));
+}
+
+TEST(FilterLog, CoordinatesWithFewStepsAreWarnedOf) {
+  const std::vector<Vec3> shape = sample_shape(ShapeKind::sphere, 2000, 3);
+  const std::string told = "are held in steps of 0.25";
+  for (const double scale : {1.0, 100.0}) {  // spacings of about 0.08 and 8
+    FilterInput input;
+    for (const Vec3& p : shape)
+      input.points.push_back(50.0 * scale * p + Vec3(500000.0, 4000000.0, 100.0));
+    EXPECT_FALSE(is_in(run(Filter::reconstruct, input).warnings, "in steps of")) << "doubles";
+    input.points = in_single_precision(input.points);
+    for (const Filter filter : {Filter::reconstruct, Filter::initial_mesh})
+      EXPECT_EQ(is_in(run(filter, input).warnings, told), scale == 1.0) << scale;
+  }
+  // So few that the points come to lie on a line.
+  std::vector<Vec3> small;
+  for (const Vec3& p : shape) small.push_back(0.05 * p + Vec3(500000.0, 4000000.0, 100.0));
+  try {
+    FilterInput input;
+    input.points = in_single_precision(small);
+    run(Filter::reconstruct, input);
+    ADD_FAILURE() << "nothing was refused";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("subtract an offset"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(FilterLog, SecondAttemptsTellOnlyOfFaultsThatThereWere) {
+  Reconstruction result;
+  result.smoothing.is_made = result.smoothing.is_finished = true;
+  const auto told = [&](Index faces, Index vertices) {
+    result.smoothing.first = {faces, 0, vertices, 0};
+    FilterOutcome outcome;
+    tell_of_attempts(result, outcome);
+    return outcome.log.at(0);
+  };
+  EXPECT_EQ(told(3, 0).rfind("Matched again because of 3 faces that met", 0), 0u);
+  EXPECT_EQ(told(0, 1).rfind("Matched again because of 1 vertex that is no sample", 0), 0u);
+  EXPECT_NE(told(3, 2).find("still do and 2 vertices that are no samples"), std::string::npos);
 }
 
 TEST(FilterLog, ASurfaceThatLosesManySamplesIsWarnedOf) {

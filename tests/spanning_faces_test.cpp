@@ -34,16 +34,16 @@ TEST(SpanningFaces, AreToldAnewWhereFacesTookEachOthersSlots) {
   ASSERT_LT(length(f), length(g));
   const std::vector<Index> changed = {std::min(f, g), std::max(f, g)};
   spanning = {f, far};
-  restore_spanning_faces(mesh, {changed}, samples, spanning);
+  restore_spanning_faces(mesh, {changed}, {samples}, spanning);
   EXPECT_EQ(spanning, (std::vector<Index>{g, far}));
-  restore_spanning_faces(mesh, {{f}}, samples, spanning);
+  restore_spanning_faces(mesh, {{f}}, {samples}, spanning);
   EXPECT_EQ(spanning, (std::vector<Index>{g, far}));
   // Where both span, or none, nothing is to be told.
   spanning = changed;
-  restore_spanning_faces(mesh, {changed}, samples, spanning);
+  restore_spanning_faces(mesh, {changed}, {samples}, spanning);
   EXPECT_EQ(spanning, changed);
   spanning = {far};
-  restore_spanning_faces(mesh, {changed}, samples, spanning);
+  restore_spanning_faces(mesh, {changed}, {samples}, spanning);
   EXPECT_EQ(spanning, std::vector<Index>{far});
   // A face with a vertex that is no sample spans before any other.
   std::vector<Index> star;
@@ -54,7 +54,7 @@ TEST(SpanningFaces, AreToldAnewWhereFacesTookEachOthersSlots) {
   std::vector<Index> others;
   std::set_difference(all.begin(), all.end(), star.begin(), star.end(), std::back_inserter(others));
   spanning.assign(others.begin(), others.begin() + static_cast<std::ptrdiff_t>(star.size()));
-  restore_spanning_faces(mesh, {all}, samples, spanning);
+  restore_spanning_faces(mesh, {all}, {samples}, spanning);
   EXPECT_EQ(spanning, star);
 }
 
@@ -66,7 +66,21 @@ TEST(SpanningFaces, AllFacesWithAVertexThatIsNoSampleAreAmongThem) {
   mesh.for_each_outgoing(samples, [&](Index h) { star.push_back(SurfaceMesh::face(h)); });
   std::sort(star.begin(), star.end());
   std::vector<Index> spanning = {star.front()};
-  restore_spanning_faces(mesh, {star}, samples, spanning);
+  restore_spanning_faces(mesh, {star}, {samples}, spanning);
+  EXPECT_EQ(spanning, star);
+}
+
+// Copies of samples come after the vertices that are none.
+TEST(SpanningFaces, SamplesBeyondTheExtraVerticesAreSamples) {
+  const SurfaceMesh mesh = icosphere(1);
+  const Index last = mesh.vertex_slots() - 1;
+  std::vector<Index> star;
+  mesh.for_each_outgoing(last, [&](Index h) { star.push_back(SurfaceMesh::face(h)); });
+  std::sort(star.begin(), star.end());
+  std::vector<Index> spanning = {star.front()};
+  restore_spanning_faces(mesh, {star}, {last, last}, spanning);
+  EXPECT_EQ(spanning.size(), 1u);
+  restore_spanning_faces(mesh, {star}, {last, last + 1}, spanning);
   EXPECT_EQ(spanning, star);
 }
 

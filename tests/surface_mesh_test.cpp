@@ -256,6 +256,28 @@ TEST(SurfaceMesh, CanonicalFormIsThatOfItsTriangles) {
     EXPECT_EQ(mesh.outgoing(v), rebuilt.outgoing(v)) << "vertex " << v;
 }
 
+TEST(SurfaceMesh, FacesAreFollowedWhenVerticesAreRenumbered) {
+  Random random(8);
+  SurfaceMesh mesh = icosphere(2);
+  for (int i = 0; i < 60; ++i) {
+    const Index h = random.below(mesh.halfedge_slots());
+    if (!mesh.is_removed_face(SurfaceMesh::face(h)) && mesh.is_collapse_legal(h)) mesh.collapse(h);
+  }
+  const SurfaceMesh before = mesh;
+  std::vector<Index> new_index(before.position.size(), kNone);
+  Index left = before.vertex_count();  // the other way round
+  for (Index v = 0; v < before.vertex_slots(); ++v)
+    if (!before.is_removed_vertex(v)) new_index[v] = --left;
+  const std::vector<Index> new_face = mesh.renumber(new_index);
+  ASSERT_EQ(new_face.size(), static_cast<std::size_t>(before.face_slots()));
+  for (Index f = 0; f < before.face_slots(); ++f) {
+    ASSERT_EQ(new_face[f] == kNone, before.is_removed_face(f));
+    if (new_face[f] == kNone) continue;
+    const Triangle was = before.triangle(f), is = mesh.triangle(new_face[f]);
+    for (int corner = 0; corner < 3; ++corner) EXPECT_EQ(is[corner], new_index[was[corner]]);
+  }
+}
+
 TEST(SurfaceMesh, ComponentsAreCounted) {
   std::vector<Triangle> faces = tetrahedron();
   for (const Triangle& t : tetrahedron()) faces.push_back({t[0] + 4, t[1] + 4, t[2] + 4});

@@ -14,7 +14,7 @@ namespace shrinkwrap {
 CompleteMatching match_cloud(SurfaceMesh parametric, PointCloud& cloud, OutlierReport& outliers,
                              const std::vector<Vec3>& points, const ReconstructionOptions& options,
                              Progress& progress) {
-  if (outliers.input_index.empty())
+  if (outliers.input_index.empty() || !(options.outliers.foot > 0.0))
     return match_samples(std::move(parametric), cloud, options.complete_matching, progress);
   progress.begin(Stage::complete_matching);
   progress.set_part(0.0, 0.5);
@@ -49,10 +49,16 @@ OptimisedMesh optimise_matching(CompleteMatching& matching, const PointCloud& cl
   }
   result.extra_vertices = extra_vertices_kept(matching.mesh, cloud.size(), matching.opening_faces);
   if (!cloud.conditioning.near_copies.empty()) {
+    RepairOptions near_copies = options.intersection_repair;
+    if (!repair.ran_short) near_copies.tried = surroundings(matching.mesh, repair.remaining_faces);
+    const ExtraVertices extra = {cloud.size(), matching.mesh.vertex_slots()};
     insert_near_copies(matching, cloud, points, progress);
     if (options.intersection_repair.enabled)
-      repair.add(repair_self_intersections(matching.mesh, options.intersection_repair, progress,
-                                           matching.opening_faces, &matching.spanning_faces));
+      repair.add(repair_self_intersections(matching.mesh, near_copies, progress,
+                                           matching.opening_faces, &matching.spanning_faces,
+                                           extra));
+    if (!matching.spanning_faces.empty())
+      measure_openings(matching, cloud.spacing, result.openings);
   }
   progress.set_part(0.8, 0.85);
   const std::vector<Index>& dropped = matching.opening_faces;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "common/available_memory.h"
 #include "common/freed_memory.h"
 #include "common/memory_estimate.h"
 #include "detail.h"
@@ -161,8 +162,10 @@ void match_twice(PointCloud& cloud, const std::vector<Vec3>& points, const Noise
   const ProgressShare share(progress, of_first, 1.0);
   try_again(result, second, &Reconstruction::smoothing, false, cloud, progress, [&] {
     ReconstructionOptions for_second = options;
-    if (result.backs.is_taken) for_second.complete_matching.backs_are_openings = true;
-    second.backs = result.backs;
+    if (result.backs.is_taken) {
+      for_second.complete_matching.backs_are_openings = true;
+      second.backs = result.backs;
+    }
     match_smoothed(cloud, points, noise, for_second, second, progress);
   });
 }

@@ -110,7 +110,8 @@ struct DetailReport {
 struct SurfaceDetail {
   double upper_fifth = 0.0;      ///< a fifth of the samples are farther from it (x local spacing)
   double upper_twentieth = 0.0;  ///< and a twentieth
-  bool is_kept = false;  ///< the vertices are the samples, each moved by what noise explains
+  bool is_kept = false;  ///< the vertices are the samples, each moved by what noise explains; but
+                         ///< for near copies, of which only the mesh through every sample has any
   double mean_displacement = 0.0, max_displacement = 0.0;  ///< of these, x spacing
 };
 

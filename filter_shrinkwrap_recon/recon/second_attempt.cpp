@@ -74,6 +74,11 @@ void try_again(Reconstruction& first, Reconstruction& second, SecondAttempt Reco
   if (faulty_faces == 0 || faulty_faces >= first.mesh.triangles.size() / 2) return;
   attempt.is_made = true;
   second.outliers = first.outliers;  // some may be samples by now
+  const auto genus_of_first = [&] {
+    MeshReportOptions options;
+    options.count_self_intersections = false;
+    return measure_mesh(first.mesh.position, first.mesh.triangles, {}, options, progress).genus;
+  };
   attempt.is_finished = attempted([&] {
     std::vector<Vec3f> normals;
     if (!is_same_surface) normals = normals_of_points(cloud);
@@ -90,9 +95,7 @@ void try_again(Reconstruction& first, Reconstruction& second, SecondAttempt Reco
       promise.report.count_self_intersections = false;
       const MeshReport report =
           check_promise(second.mesh, second.mesh.position, kNone, promise, progress);
-      const MeshReport before =
-          measure_mesh(first.mesh.position, first.mesh.triangles, {}, promise.report, progress);
-      attempt.is_taken = is_same_surface || report.genus <= before.genus;
+      attempt.is_taken = is_same_surface || report.genus <= genus_of_first();
     }
   });
   keep_better(first, second, attempt, which);

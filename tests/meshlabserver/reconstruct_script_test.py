@@ -270,10 +270,45 @@ class ReconstructScript(ScriptTest):
                 self.assertIn("FAILED: ", self.text)
         self.assertEqual(list(self.folder.glob("*_shrink_wrap*")), [])
 
+    def test_text_files_that_are_not_read_as_they_are_meant(self):
+        rows = [" ".join(map(str, p)) for p in sphere(600)]
+        for name, lines, told in (("head.xyz", ["X Y Z", *rows], "line 1 (X Y Z) is no point"),
+                                  ("tail.xyz", [*rows, "end of scan"], "line 601 (end of scan) is no point"),
+                                  ("seven.pts", [f"{row} 5 1 2 3" for row in rows], "it takes lines of 3 numbers")):
+            with self.subTest(name=name):
+                (self.folder / name).write_text("\n".join(lines) + "\n")
+                self.assertEqual(self.call(name), 1, self.text)
+                self.assertIn(told, self.text)
+        self.assertEqual(list(self.folder.glob("*_shrink_wrap*")), [])
+        (self.folder / "good.xyz").write_text("\n".join(["# X Y Z", "600", *rows, "nan nan nan"]) + "\n")
+        self.assertEqual(self.call("good.xyz"), 0, self.text)
+        self.assertIn("600 of 600 samples matched", self.text)
+
+    def test_what_a_folder_holds_besides_is_told(self):
+        self.cloud("a.ply", sphere(600))
+        (self.folder / "notes.txt").write_text("of no interest")
+        self.assertEqual(self.call(".", "-o", "made for this/"), 0, self.text)
+        self.assertIn(".: 1 left alone", self.text)
+        self.assertTrue((self.folder / "made for this" / "a_shrink_wrap.ply").exists())
+        self.assertEqual(self.call("a.ply", "-o", "other/"), 0, self.text)
+        self.assertTrue((self.folder / "other" / "a_shrink_wrap.ply").exists())
+
+    def test_a_reader_that_leaves_ends_it_all(self):
+        """Nothing is left in the folder of temporary files."""
+        temporary = self.folder / "temporary"
+        temporary.mkdir()
+        for name in ("a", "b", "c"):
+            self.cloud(f"{name}.ply", sphere(600))
+        process = self.start("a.ply", "b.ply", "c.ply", TMPDIR=str(temporary))
+        process.stdout.readline()
+        process.stdout.close()
+        self.assertEqual(process.wait(timeout=120), 130)
+        self.assertEqual(list(temporary.iterdir()), [])
+
     def test_outputs_that_cannot_be_written(self):
         cloud = self.cloud("a.ply", sphere(600))
         before = cloud.read_bytes()
-        for output in ("no folder/mesh.ply", "mesh.unknown", "mesh", "a.ply", "./a.ply"):
+        for output in ("no folder/mesh.ply", "mesh.unknown", "mesh.xyz", "mesh", "a.ply", "./a.ply"):
             with self.subTest(output=output):
                 self.assertEqual(self.call("a.ply", "-o", output), 1, self.text)
                 self.assertEqual(cloud.read_bytes(), before)

@@ -71,6 +71,7 @@ std::vector<Verdict> verdicts_on(const Judgement& judgement, const Reconstructio
       options.complete_matching.openings == CompleteMatchingOptions::Openings::leave_open;
   if_so(!judgement.closed() && !left_open, Verdict::not_closed);
   if_so(!judgement.manifold, Verdict::not_manifold);
+  if_so(expectation.invalid, Verdict::accepted_invalid);
   if_so(judgement.manifold && judgement.closed() && !judgement.outward, Verdict::not_outward);
   if_so(!agrees(judgement, result.report), Verdict::dishonest_report);
   const std::size_t left_out = result.outliers.input_index.size();
@@ -84,6 +85,7 @@ std::vector<Verdict> verdicts_on(const Judgement& judgement, const Reconstructio
     if_so(judgement.extra > 0, resolved && !expectation.open ? Verdict::extra_vertices
                                                              : Verdict::extra_vertices_unresolved);
   }
+  if_so(resolved && !expectation.open && !judgement.closed() && left_open, Verdict::false_opening);
   if (judgement.genus >= 0) {
     const bool right_genus = judgement.genus == expectation.genus;
     const bool right_components = judgement.components == expectation.components;
@@ -109,15 +111,18 @@ const char* verdict_name(Verdict verdict) {
       "not_closed",
       "not_manifold",
       "not_outward",
+      "accepted_invalid",
       "missing_sample",
       "moved_sample",
       "dishonest_report",
+      "unread_file",
       "nondeterministic",
       "too_slow",
       "failed",
       "refused",
       "extra_vertices",
       "sample_left_out",
+      "false_opening",
       "wrong_genus",
       "wrong_components",
       "self_intersecting",

@@ -22,9 +22,11 @@ enum class Verdict {
   not_closed,
   not_manifold,
   not_outward,
+  accepted_invalid,  ///< a mesh of what must be refused
   missing_sample,    ///< V != N: a sample is no vertex, or two
   moved_sample,      ///< a vertex is not exactly at its sample
   dishonest_report,  ///< the library's own report says otherwise than the judge
+  unread_file,       ///< one without damage, or other points than were written to it
   nondeterministic,  ///< one and two threads differ
   too_slow,          ///< if a time limit was asked for
   // Not on clouds that resolve the shape:
@@ -32,6 +34,7 @@ enum class Verdict {
   refused,
   extra_vertices,   ///< V != N: vertices that are no sample
   sample_left_out,  ///< as an outlier, where there is none
+  false_opening,    ///< left where the object has none
   wrong_genus,
   wrong_components,
   self_intersecting,
@@ -46,7 +49,7 @@ enum class Verdict {
   degenerate_faces_unresolved,
   importer_failed,  ///< vcglib's, on a damaged file, before our part began
 };
-constexpr int kVerdictCount = 27;
+constexpr int kVerdictCount = 30;
 const char* verdict_name(Verdict verdict);
 enum class Severity { broken_promise, defect, note };
 Severity severity_of(Verdict verdict);

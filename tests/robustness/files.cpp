@@ -246,7 +246,10 @@ class TemporaryPath {
   explicit TemporaryPath(const std::string& ending)
       : path_((std::filesystem::temp_directory_path() /
                ("shrinkwrap_" + std::to_string(getpid()) + ending))
-                  .string()) {}
+                  .string()) {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);  // of a process that was killed
+  }
   TemporaryPath(const TemporaryPath&) = delete;
   TemporaryPath& operator=(const TemporaryPath&) = delete;
   ~TemporaryPath() {
@@ -316,6 +319,11 @@ void run(const File& file, const JobOptions& job_options, const ChildLimits& lim
     made = attempt(points, options, expectation, {false, job_options.time_limit});
     if (!adapters_agree(cloud, points)) made.verdicts.push_back(Verdict::unexpected_exception);
     made.figures.add("points", points.size());
+    const bool has_all =
+        file.extension == "stl" || static_cast<Index>(points.size()) == file.points;
+    if (file.damages == 0 && !has_all) made.verdicts.push_back(Verdict::unread_file);
+  } else if (file.damages == 0 && file.points > 0) {
+    made.verdicts.push_back(Verdict::unread_file);
   }
   made.figures.add("importer", outcome.output);
   say(to_message(made));

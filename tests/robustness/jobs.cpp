@@ -108,7 +108,7 @@ Job make_job(const std::string& kind, std::uint64_t number, const JobOptions& op
   else
     throw std::invalid_argument("there are no jobs called '" + kind + "'");
   job.name = kind + ":" + std::to_string(number);
-  job.limits.seconds = kMostSeconds;
+  job.limits.seconds = job.limits.processor_seconds = kMostSeconds;
   return job;
 }
 
@@ -120,9 +120,10 @@ Job make_job(const std::string& name, const JobOptions& options) {
 }
 
 std::string message_of(const ChildOutcome& outcome) {
-  if (outcome.end == ChildOutcome::End::finished) return outcome.output;
-  Attempt ended;
-  ended.verdicts = {outcome.end == ChildOutcome::End::crashed ? Verdict::crash : Verdict::hang};
+  using End = ChildOutcome::End;
+  if (outcome.end == End::finished && !outcome.output.empty()) return outcome.output;
+  Attempt ended;  // or it left without a word
+  ended.verdicts = {outcome.end == End::too_slow ? Verdict::hang : Verdict::crash};
   ended.figures.add("ended_by", outcome.how);
   return to_message(ended);
 }

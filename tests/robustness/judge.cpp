@@ -130,20 +130,19 @@ Judgement judge(const std::vector<Vec3>& points, const std::vector<Index>& left_
   judgement.unused = count_unused(mesh);
   judgement.border_edges = count_border_edges(mesh.triangles);
   judgement.components = topology.components;
-  // A vertex on the border has no closed fan, so that fans are judged only where there is none.
   judgement.manifold = topology.faces > 0 && judgement.unused == 0 && topology.bad_faces == 0 &&
-                       topology.bad_edges == judgement.border_edges &&
-                       (topology.bad_vertices == 0 || judgement.border_edges > 0);
-  if (!judgement.manifold || !judgement.closed()) return judgement;
-  judgement.genus = topology.genus();
-  judgement.outward = is_outward(mesh);
+                       topology.bad_edges == judgement.border_edges && topology.split_vertices == 0;
+  if (!judgement.manifold) return judgement;
   if (count_intersections) {
     const IntersectingFaces faces = count_intersecting_faces(mesh);
     judgement.intersecting = faces.intersecting;
     judgement.degenerate = faces.degenerate;
-    if (faces.intersecting + faces.degenerate == 0 && judgement.components > 1)
-      judgement.outward = judgement.outward && bounds_a_volume(mesh);
   }
+  if (!judgement.closed()) return judgement;
+  judgement.genus = topology.genus();
+  judgement.outward = is_outward(mesh);
+  if (judgement.intersecting == 0 && judgement.degenerate == 0 && judgement.components > 1)
+    judgement.outward = judgement.outward && bounds_a_volume(mesh);
   return judgement;
 }
 

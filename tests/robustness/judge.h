@@ -13,8 +13,7 @@ struct Judgement {
   Index vertices = 0;      ///< of the mesh, used or not
   Index unused = 0;        ///< vertices without a face
   Index border_edges = 0;  ///< of one face
-  bool manifold =
-      false;  ///< but for the border: every edge two faces that agree, every vertex one fan
+  bool manifold = false;   ///< every edge one face or two that agree, every vertex one fan
   Index components = 0;
   Index genus = -1;  ///< summed; -1 unless closed and manifold
   bool outward = false;

@@ -141,6 +141,36 @@ TEST_F(JudgeOfASphere, FindsAHole) {
   EXPECT_TRUE(judgement.manifold);
 }
 
+TEST_F(JudgeOfASphere, FindsTwoHolesWithOneVertexInCommon) {
+  // Every other face around a vertex of six: each has two border edges there.
+  Index hub = 0;
+  const auto faces_around = [&] {
+    std::vector<std::size_t> faces;
+    for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+      const Triangle& t = mesh.triangles[f];
+      if (std::count(t.begin(), t.end(), hub) > 0) faces.push_back(f);
+    }
+    return faces;
+  };
+  while (faces_around().size() != 6) ++hub;
+  const std::size_t first = faces_around().front();
+  const auto shares_edge = [&](std::size_t f) {
+    return std::count_if(mesh.triangles[f].begin(), mesh.triangles[f].end(), [&](Index v) {
+             const Triangle& t = mesh.triangles[first];
+             return std::count(t.begin(), t.end(), v) > 0;
+           }) == 2;
+  };
+  std::size_t second = mesh.triangles.size();
+  for (const std::size_t f : faces_around())
+    if (f != first && !shares_edge(f)) second = f;
+  ASSERT_LT(second, mesh.triangles.size());
+  mesh.triangles.erase(mesh.triangles.begin() + static_cast<std::ptrdiff_t>(first));
+  EXPECT_TRUE(judged().manifold);
+  mesh.triangles.erase(mesh.triangles.begin() + static_cast<std::ptrdiff_t>(second) - 1);
+  EXPECT_EQ(judged().border_edges, 6);
+  EXPECT_FALSE(judged().manifold);
+}
+
 TEST_F(JudgeOfASphere, FindsAnEdgeOfThreeFaces) {
   const Triangle t = mesh.triangles.front();
   mesh.triangles.push_back({t[0], t[1], mesh.triangles.back()[2]});
@@ -163,8 +193,44 @@ TEST_F(JudgeOfASphere, FindsFacesThatCutOthers) {
   mesh.position = samples = crossing.position;
   mesh.triangles = crossing.triangles();
   mesh.input_index.clear();
-  EXPECT_GT(judged().intersecting, 10);
-  EXPECT_EQ(judged().components, 2);
+  const Judgement closed = judged();
+  EXPECT_GT(closed.intersecting, 10);
+  EXPECT_EQ(closed.components, 2);
+  // However open the mesh is elsewhere.
+  mesh.triangles.erase(mesh.triangles.begin());
+  const Judgement open = judged();
+  EXPECT_TRUE(open.manifold && !open.closed());
+  EXPECT_GE(open.intersecting, closed.intersecting - 1);
+}
+
+std::vector<Verdict> verdicts_of(const std::vector<Vec3>& points, const Expectation& expectation,
+                                 const ReconstructionOptions& options = {}) {
+  return attempt(points, options, expectation, {}).verdicts;
+}
+
+TEST(Attempt, TellsAMeshOfWhatMustBeRefused) {
+  const std::vector<Vec3> points = testing::sample_shape(testing::ShapeKind::sphere, 500, 1);
+  Expectation expectation;
+  EXPECT_TRUE(verdicts_of(points, expectation).empty());
+  expectation.invalid = true;
+  EXPECT_EQ(verdicts_of(points, expectation), std::vector<Verdict>{Verdict::accepted_invalid});
+  EXPECT_TRUE(verdicts_of({Vec3::Zero()}, expectation).empty());
+}
+
+TEST(Attempt, TellsAnOpeningWhereTheObjectHasNone) {
+  std::vector<Vec3> points = testing::sample_shape(testing::ShapeKind::sphere, 2000, 1);
+  ReconstructionOptions options;
+  options.complete_matching.openings = CompleteMatchingOptions::Openings::leave_open;
+  Expectation expectation;
+  expectation.resolved = true;
+  EXPECT_TRUE(verdicts_of(points, expectation, options).empty());
+  const auto end = std::remove_if(points.begin(), points.end(),
+                                  [](const Vec3& p) { return p.z() > 0.5 * p.norm(); });
+  points.erase(end, points.end());
+  EXPECT_EQ(verdicts_of(points, expectation, options),
+            std::vector<Verdict>{Verdict::false_opening});
+  expectation.open = true;
+  EXPECT_TRUE(verdicts_of(points, expectation, options).empty());
 }
 
 TEST(Judge, AsksNoSideOfFlatComponents) {

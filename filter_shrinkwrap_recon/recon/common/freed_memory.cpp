@@ -27,7 +27,7 @@ FreedMemoryIsKept::FreedMemoryIsKept(std::size_t samples) : active_(samples >= k
   if (!active_) return;
   // Older versions take no more than their own largest.
   if (mallopt(M_MMAP_THRESHOLD, kNoLimit) == 0) mallopt(M_MMAP_THRESHOLD, kGlibcLargestThreshold);
-  mallopt(M_TRIM_THRESHOLD, kNoLimit);
+  mallopt(M_TRIM_THRESHOLD, -1);  // never
 }
 
 FreedMemoryIsKept::~FreedMemoryIsKept() {

@@ -1,8 +1,9 @@
 #include "common/memory_estimate.h"
 
 #include <algorithm>
-#include <fstream>
 #include <string>
+
+#include "common/available_memory.h"
 
 namespace shrinkwrap {
 namespace {
@@ -27,17 +28,6 @@ std::string in_gibibytes(std::uint64_t bytes) {
 std::uint64_t estimated_peak_bytes(std::uint64_t samples, int neighbours) {
   const std::uint64_t more = static_cast<std::uint64_t>(std::max(neighbours - kFewNeighbours, 0));
   return kBaseBytes + samples * (kBytesPerSample + more * kBytesPerNeighbour);
-}
-
-std::uint64_t available_bytes() {
-  std::ifstream meminfo("/proc/meminfo");
-  for (std::string key; meminfo >> key;) {
-    std::uint64_t kibibytes = 0;
-    if (key == "MemAvailable:" && meminfo >> kibibytes) return kibibytes << 10;
-    std::string rest_of_line;
-    std::getline(meminfo, rest_of_line);
-  }
-  return 0;
 }
 
 void require_memory_for(const RunSize& size, std::uint64_t limit) {

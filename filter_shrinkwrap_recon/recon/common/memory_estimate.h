@@ -12,10 +12,6 @@ namespace shrinkwrap {
 /// on random and on structured clouds; linear in `samples`.
 std::uint64_t estimated_peak_bytes(std::uint64_t samples, int neighbours = 16);
 
-/// Memory that the machine can still give without swapping, in bytes; 0 if the system does not
-/// tell.
-std::uint64_t available_bytes();
-
 /// What a run is to hold.
 struct RunSize {
   std::uint64_t samples = 0;
@@ -25,7 +21,7 @@ struct RunSize {
 };
 
 /// Throws InvalidInput, with both figures, if a run cannot fit. `limit`: bytes that may be used; 0
-/// means what the machine has available (and no check where that is unknown).
+/// means what is available (available_memory.h; no check where that is unknown).
 void require_memory_for(const RunSize& size, std::uint64_t limit = 0);
 
 }  // namespace shrinkwrap

@@ -460,30 +460,14 @@ class OpeningCloser {
   std::vector<std::tuple<double, Index, Index>> ears_;  // length of the diagonal, half-edge, corner
 };
 
-// Edges that tell faces apart whatever becomes of their indices: the first two corners.
-class FaceNames {
- public:
-  FaceNames(const SurfaceMesh& mesh, const std::vector<Index>& new_index)
-      : mesh_(mesh), new_index_(new_index) {}
-  void add(Index f) {
-    if (mesh_.is_removed_face(f)) return;
-    const Triangle t = mesh_.triangle(f);
-    edges_.emplace_back(new_index_[t[0]], new_index_[t[1]]);
-  }
-  // Once the mesh was renumbered: the faces, ascending, each once.
-  std::vector<Index> faces() const {
-    std::vector<Index> faces;
-    for (const auto& [from, to] : edges_)
-      faces.push_back(SurfaceMesh::face(mesh_.find_halfedge(from, to)));
-    sort_unique(faces);
-    return faces;
-  }
-
- private:
-  const SurfaceMesh& mesh_;
-  const std::vector<Index>& new_index_;
-  std::vector<std::pair<Index, Index>> edges_;
-};
+// The same faces once a mesh was renumbered, ascending, but for those that are gone.
+std::vector<Index> renumbered(const std::vector<Index>& faces, const std::vector<Index>& new_face) {
+  std::vector<Index> found;
+  for (const Index f : faces)
+    if (new_face[f] != kNone) found.push_back(new_face[f]);
+  sort_unique(found);
+  return found;
+}
 
 }  // namespace
 
@@ -505,14 +489,11 @@ ClosingOfMatching close_openings(CompleteMatching& matching, Index samples, Prog
     else
       new_index[v] = count++;
   }
-  FaceNames spanning(mesh, new_index), open(mesh, new_index);
-  for (const Index f : matching.spanning_faces) spanning.add(f);
-  for (const Index f : matching.opening_faces) open.add(f);
   for (Index f = 0; f < mesh.face_slots(); ++f)
-    if (closing.spans[f]) spanning.add(f);
-  mesh.renumber(new_index, progress);
-  matching.spanning_faces = spanning.faces();
-  matching.opening_faces = open.faces();
+    if (closing.spans[f]) matching.spanning_faces.push_back(f);
+  const std::vector<Index> new_face = mesh.renumber(new_index, progress);
+  matching.spanning_faces = renumbered(matching.spanning_faces, new_face);
+  matching.opening_faces = renumbered(matching.opening_faces, new_face);
   matching.sample_of_vertex.resize(mesh.position.size(), SampleId::none);
   return {std::move(removed), closing.tests};
 }

@@ -53,7 +53,7 @@ class Finish {
   }
   RepairReport repair(CompleteMatching& matching, const RepairOptions& options) {
     return repair_self_intersections(matching.mesh, options, progress_, matching.opening_faces,
-                                     &matching.spanning_faces, samples_);
+                                     &matching.spanning_faces, {samples_});
   }
   // Once more, near what has changed since `tried_` was filled in.
   RepairReport repair_again() {

@@ -11,7 +11,6 @@
 #include "edge_optimisation/sample_relocation.h"
 #include "mesh/face_meetings.h"
 #include "mesh/face_patches.h"
-#include "mesh/spanning_faces.h"
 
 namespace shrinkwrap {
 namespace {
@@ -71,7 +70,7 @@ class Repair {
         meetings_(mesh, kTestsPerFace * mesh.face_slots(), progress, opening_faces),
         hinges_(mesh, meetings_, opening_faces) {}
 
-  RepairReport run(std::vector<Index>* spanning_faces, Index samples);
+  RepairReport run(std::vector<Index>* spanning_faces, const ExtraVertices& extra);
 
  private:
   using Pair = HingeFlips::Pair;
@@ -368,14 +367,14 @@ void Repair::part_faces(RepairReport& report) {
   unfold(changed);
 }
 
-RepairReport Repair::run(std::vector<Index>* spanning_faces, Index samples) {
+RepairReport Repair::run(std::vector<Index>* spanning_faces, const ExtraVertices& extra) {
   RepairReport report;
   report.before = meetings_.pair_count();
   report.faces_before = meetings_.faces_at_first();
   part_faces(report);
   progress_.set_range(1.0, 1.0);
   const bool may_span = spanning_faces != nullptr && !spanning_faces->empty();
-  if (may_span) restore_spanning_faces(mesh_, changed_sets(), samples, *spanning_faces);
+  if (may_span) restore_spanning_faces(mesh_, changed_sets(), extra, *spanning_faces);
   HingeFlips hinges_of_surface(mesh_, meetings_, may_span ? *spanning_faces : opening_faces_);
   report.folds = remove_folds(hinges_of_surface, options_.folds, progress_);
   report.remaining_faces = meetings_.all_faces(progress_);
@@ -404,9 +403,10 @@ std::vector<Triangle> surroundings(const SurfaceMesh& mesh, const std::vector<In
 
 RepairReport repair_self_intersections(SurfaceMesh& mesh, const RepairOptions& options,
                                        Progress& progress, const std::vector<Index>& opening_faces,
-                                       std::vector<Index>* spanning_faces, Index samples) {
+                                       std::vector<Index>* spanning_faces,
+                                       const ExtraVertices& extra) {
   progress.set_range(0.0, 0.8);
-  return Repair(mesh, options, progress, opening_faces).run(spanning_faces, samples);
+  return Repair(mesh, options, progress, opening_faces).run(spanning_faces, extra);
 }
 
 }  // namespace shrinkwrap

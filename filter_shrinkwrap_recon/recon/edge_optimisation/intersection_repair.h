@@ -3,13 +3,13 @@
 #pragma once
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 #include <vector>
 
 #include "common/progress.h"
 #include "edge_optimisation/fold_removal.h"
 #include "edge_optimisation/patch_annealing.h"
+#include "mesh/spanning_faces.h"
 #include "mesh/surface_mesh.h"
 
 namespace shrinkwrap {
@@ -20,7 +20,7 @@ constexpr double kMostMeeting = 0.2;
 struct RepairOptions {
   bool enabled = true;     ///< for the pipeline: repair at all
   int max_rounds = 64;     ///< passes over the edges near the faces that still meet others
-  int max_look_ahead = 2;  ///< flips that are tried together where fewer do not help
+  int max_look_ahead = 2;  ///< flips that are tried together where fewer do not help; 2 at most
   /// Hinges looked at bound the time, some 3 us each (coplanar samples: 30; a sample relocated
   /// counts as 50): for each face that meets another at the start, and in all; 0: 50,000 and one
   /// for each face of the mesh. So do the pairs of faces whose boxes meet: a million (200,000 if
@@ -33,10 +33,10 @@ struct RepairOptions {
   /// long as there is another way.
   double fold_guard = -0.3;
   AnnealingOptions annealing;  ///< of patches of one ring; of n rings, n times as many moves
-  int max_annealed_rings = 3;  ///< around faces that still meet others
+  int max_annealed_rings = 3;  ///< around faces that still meet others; 3 at most
   FoldOptions folds;           ///< that are removed at last
   /// Anneals what all this has left, if these are few faces, anew: by up to 8 other seeds, with up
-  /// to three times as many moves beside those above, at most 500,000.
+  /// to three times as many moves beside those above, at most 500,000. Not with fewer than 3 rings.
   bool insists = true;
   /// Of a mesh that was repaired before and has changed in places: `surroundings` of the faces that
   /// were left. Near a face whose surroundings are all among these nothing is tried again, unless
@@ -109,11 +109,11 @@ struct RepairReport {
 /// `opening_faces` (ascending) are not to be in the result: they stay as they are, and whatever
 /// meets them does not count. `spanning_faces` (ascending, those too; optional) may change where
 /// faces meet, but not for a fold: around an opening they may well lie on the surface. They take
-/// other slots then, and are told anew (spanning_faces.h); the vertices from `samples` on are none.
+/// other slots then, and are told anew (spanning_faces.h); `extra` vertices are no samples.
 RepairReport repair_self_intersections(SurfaceMesh& mesh, const RepairOptions& options,
                                        Progress& progress,
                                        const std::vector<Index>& opening_faces = {},
                                        std::vector<Index>* spanning_faces = nullptr,
-                                       Index samples = std::numeric_limits<Index>::max());
+                                       const ExtraVertices& extra = {});
 
 }  // namespace shrinkwrap

@@ -134,7 +134,8 @@ class Annealing {
   }
 
   void flip() {
-    const Index h = 3 * any_of(patch_) + static_cast<Index>(3.0 * chance());
+    const Index face = any_of(patch_);  // by itself: the order of draws decides
+    const Index h = 3 * face + static_cast<Index>(3.0 * chance());
     double added = 0.0;
     const auto most_pairs = [&](const HingeShape& now, const HingeShape& then) {
       added = then.bending - now.bending;

@@ -31,8 +31,9 @@ class FaceMeetings {
   static constexpr std::size_t kPairsPerFace = 20;
   static constexpr std::size_t kLeastPairs = 100000;
 
-  /// Finds the pairs, beyond the bound of tests; the mesh must outlive the object. `absent_faces`
-  /// (ascending) meet nothing, and must not change. O(F log F) for a surface. Memory O(F).
+  /// Finds the pairs, whatever the bound of tests; the mesh must outlive the object. `absent_faces`
+  /// (ascending) meet nothing, and must not change. O(F log F) for a surface, and in the pairs of
+  /// overlapping boxes: O(F^2) for a heap in which all do. Memory O(F).
   FaceMeetings(const SurfaceMesh& mesh, std::int64_t max_tests, Progress& progress,
                std::vector<Index> absent_faces = {});
   /// Of a patch of faces (ascending, not none) alone, as they are known: for changes among them

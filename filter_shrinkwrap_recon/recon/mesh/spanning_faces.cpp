@@ -11,9 +11,9 @@
 namespace shrinkwrap {
 namespace {
 
-bool is_of_samples(const SurfaceMesh& mesh, Index f, Index samples) {
+bool is_of_samples(const SurfaceMesh& mesh, Index f, const ExtraVertices& extra) {
   const Triangle t = mesh.triangle(f);
-  return std::all_of(t.begin(), t.end(), [&](Index v) { return v < samples; });
+  return std::none_of(t.begin(), t.end(), [&](Index v) { return extra.has(v); });
 }
 
 // Chooses from some faces (ascending) those that span an opening, one by one: those with a vertex
@@ -22,9 +22,9 @@ class SpanningGrowth {
  public:
   // `spans`: which of the other faces do.
   template <class Spans>
-  SpanningGrowth(const SurfaceMesh& mesh, const std::vector<Index>& faces, Index samples,
-                 const Spans& spans)
-      : mesh_(mesh), samples_(samples) {
+  SpanningGrowth(const SurfaceMesh& mesh, const std::vector<Index>& faces,
+                 const ExtraVertices& extra, const Spans& spans)
+      : mesh_(mesh), extra_(extra) {
     for (const Index f : faces) apart_.insert(entry(f));
     for (const Index f : faces)
       for_each_across(f, [&](Index g) {
@@ -49,7 +49,7 @@ class SpanningGrowth {
   Entry entry(Index f) const {
     const Triangle t = mesh_.triangle(f);
     const std::vector<Vec3>& p = mesh_.position;
-    return {is_of_samples(mesh_, f, samples_), -longest_edge(p[t[0]], p[t[1]], p[t[2]]), f};
+    return {is_of_samples(mesh_, f, extra_), -longest_edge(p[t[0]], p[t[1]], p[t[2]]), f};
   }
   static bool has_extra_vertex(const Entry& entry) { return !std::get<0>(entry); }
   template <class Fn>
@@ -65,26 +65,26 @@ class SpanningGrowth {
   }
 
   const SurfaceMesh& mesh_;
-  Index samples_;
+  const ExtraVertices extra_;
   std::set<Entry> next_to_, apart_;  // a face that spans, and from any
 };
 
 }  // namespace
 
 void restore_spanning_faces(const SurfaceMesh& mesh, const std::vector<std::vector<Index>>& sets,
-                            Index samples, std::vector<Index>& spanning) {
+                            const ExtraVertices& extra, std::vector<Index>& spanning) {
   if (spanning.empty()) return;
   const auto spans = [&](Index f) {
     return std::binary_search(spanning.begin(), spanning.end(), f);
   };
-  const auto has_extra = [&](Index f) { return !is_of_samples(mesh, f, samples); };
+  const auto has_extra = [&](Index f) { return !is_of_samples(mesh, f, extra); };
   std::vector<Index> before, now, others;
   for (const std::vector<Index>& faces : sets) {
     const auto count = std::max(std::count_if(faces.begin(), faces.end(), spans),
                                 std::count_if(faces.begin(), faces.end(), has_extra));
     if (count == 0) continue;
     std::copy_if(faces.begin(), faces.end(), std::back_inserter(before), spans);
-    SpanningGrowth growth(mesh, faces, samples, spans);
+    SpanningGrowth growth(mesh, faces, extra, spans);
     for (std::ptrdiff_t i = 0; i < count; ++i) now.push_back(growth.next());
   }
   sort_unique(before);

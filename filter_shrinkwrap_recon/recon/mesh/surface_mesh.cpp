@@ -353,12 +353,12 @@ std::vector<Index> SurfaceMesh::compact(Progress& progress) {
   return new_index;
 }
 
-void SurfaceMesh::renumber(const std::vector<Index>& new_index) {
+std::vector<Index> SurfaceMesh::renumber(const std::vector<Index>& new_index) {
   Progress silent;
-  renumber(new_index, silent);
+  return renumber(new_index, silent);
 }
 
-void SurfaceMesh::renumber(const std::vector<Index>& new_index, Progress& progress) {
+std::vector<Index> SurfaceMesh::renumber(const std::vector<Index>& new_index, Progress& progress) {
   const Index vertices = vertex_count(), faces = face_count(), old_faces = face_slots();
   std::vector<Vec3> moved(vertices);
   parallel_for_each(vertex_slots(), kGrain, progress, [&](Index v) {
@@ -385,6 +385,7 @@ void SurfaceMesh::renumber(const std::vector<Index>& new_index, Progress& progre
     }
   });
   *this = from_halfedges(std::move(position), std::move(origin), std::move(twin));
+  return new_face;
 }
 
 bool SurfaceMesh::is_consistent() const {

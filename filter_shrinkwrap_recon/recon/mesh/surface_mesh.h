@@ -163,9 +163,11 @@ class SurfaceMesh {
   std::vector<Index> compact();
   std::vector<Index> compact(Progress& progress);  ///< throws Cancelled: the mesh is then lost
   /// As compact, with the order of vertices given: `new_index[old]`, kNone for removed vertices; a
-  /// bijection of the vertices that are left onto [0, vertex_count()).
-  void renumber(const std::vector<Index>& new_index);
-  void renumber(const std::vector<Index>& new_index, Progress& progress);  ///< as for compact
+  /// bijection of the vertices that are left onto [0, vertex_count()). Returns, for each old face,
+  /// its new index or kNone.
+  std::vector<Index> renumber(const std::vector<Index>& new_index);
+  std::vector<Index> renumber(const std::vector<Index>& new_index,
+                              Progress& progress);  ///< as for compact
 
   /// Every internal link is consistent and every vertex has one fan. O(F); for tests and run-time
   /// postconditions.

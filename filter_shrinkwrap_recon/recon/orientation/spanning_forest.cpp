@@ -52,7 +52,8 @@ struct Edge {
 };
 
 // The edges of one block of samples. Of those within the block only a spanning forest is kept: in
-// the order of weights the others would not join anything in the whole either.
+// the order of weights the others would join nothing in the whole either, unless views object to
+// one that is kept.
 class BlockEdges {
  public:
   BlockEdges(const NeighbourGraph& graph, Index begin, Index end) : begin_(begin), end_(end) {

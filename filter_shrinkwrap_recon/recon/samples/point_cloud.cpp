@@ -107,11 +107,19 @@ Digits digits_of(const Vec3& p) {
   return {p.cwiseAbs(), is_float(p.x()) && is_float(p.y()) && is_float(p.z())};
 }
 
+// Such that a half to one times two to it is x.
+int exponent_of(double x) {
+  int exponent = 0;
+  std::frexp(x, &exponent);
+  return exponent;
+}
+
 // How far rounding may have moved a point along each axis, in the unit frame: the coordinates may
 // be floats or doubles.
 struct Rounding {
   Vec3 along_axes = Vec3::Zero();
   double least = 0.0;  // of all: what the digits resolve of the whole extent
+  double step = 0.0;   // ConditioningReport::coordinate_step
 };
 
 Rounding rounding_of_input(const std::vector<Vec3>& points, const PointCloud& cloud,
@@ -123,7 +131,9 @@ Rounding rounding_of_input(const std::vector<Vec3>& points, const PointCloud& cl
         return some;
       });
   const double last_digit = std::ldexp(1.0, extremes.are_floats ? -23 : -52);
-  return {last_digit * cloud.frame.scale * extremes.largest, std::max(last_digit, 1e-12)};
+  const double power_of_two = std::ldexp(0.5, exponent_of(extremes.largest.maxCoeff()));
+  return {last_digit * cloud.frame.scale * extremes.largest, std::max(last_digit, 1e-12),
+          extremes.are_floats ? last_digit * power_of_two : 0.0};
 }
 
 // Of the samples, from the plane and from the line that fit them best: the farthest.
@@ -193,8 +203,14 @@ void refuse_flat(const std::vector<Vec3>& points, const PointCloud& cloud, const
   if (strays > 0 && left_out.all.empty())
     throw InvalidInput(what + ", as far as can be told with " + count + " of them " + far +
                        ". Let outliers be excluded, or delete points that are no measurements.");
+  constexpr double kFewSteps = 1e-4;  // if the cloud is but ten thousand times as wide
+  const bool is_coarse = rounding.step * cloud.frame.scale > kFewSteps;
   throw InvalidInput(what + ": no closed surface passes through them. Add points off it, or " +
-                     "triangulate flat points with a planar method.");
+                     "triangulate flat points with a planar method." +
+                     (is_coarse ? " Or they are so far from the origin that single precision has "
+                                  "few steps for them: " +
+                                      std::string(advice_for_coarse_steps())
+                                : ""));
 }
 
 // Leaves near copies out, unless what is left is flat. Pre: `cloud.search` was made.
@@ -239,6 +255,11 @@ void refuse_few(const ConditioningReport& report) {
 }
 
 }  // namespace
+
+const char* advice_for_coarse_steps() {
+  return "if the file has more digits, subtract an offset from its coordinates, such as their "
+         "middle, before loading it.";
+}
 
 Frame unit_frame(const std::vector<Vec3>& points) {
   Frame frame;
@@ -303,6 +324,7 @@ PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions&
     cloud.position[i] = cloud.frame.to_unit(points[cloud.input_index[i]]);
   });
   const Rounding rounding = rounding_of_input(points, cloud, progress);
+  cloud.conditioning.coordinate_step = rounding.step;
   refuse_flat(points, cloud, rounding, far_strays, progress);
 
   progress.set_range(0.3, 0.35);

@@ -21,6 +21,9 @@ struct ConditioningReport {
   std::size_t duplicates =
       0;  ///< points at the coordinates of an earlier one (-0 equals 0), left out
   std::size_t distinct = 0;  ///< samples: given - not_finite - duplicates
+  /// The step from the coordinate farthest from the origin to the next that a float can hold, in
+  /// input units; 0 if any coordinate has more digits than a float.
+  double coordinate_step = 0.0;
   /// Of the samples, those that are no part of the cloud, since they lie where one that is does,
   /// but for a little: they become vertices at last (near_copy_insertion.h). Indices of points.
   std::vector<NearCopy> near_copies;
@@ -115,6 +118,9 @@ class PointCloud {
 /// extent is near the least of all doubles), and what is exact in the unit frame is exact in the
 /// input's.
 Frame unit_frame(const std::vector<Vec3>& points);
+
+/// What to do where `ConditioningReport::coordinate_step` is too large: the end of a message.
+const char* advice_for_coarse_steps();
 
 /// Conditions points (leaves out what is not finite and exact duplicates), orders them, and
 /// computes neighbours, spacing and normals. Points are the caller's, in its own frame; they are
