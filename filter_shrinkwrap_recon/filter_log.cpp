@@ -217,8 +217,8 @@ void tell_of_sheet(const OrientationReport& report, const ReconstructionOptions&
     return;
   outcome.log.push_back(
       "the cloud is an open sheet, such as terrain or one view: openings can be left open, or "
-      "those "
-      "alone that are wider than a limit, such as its outline (Openings: Leave open, Automatic)");
+      "those alone that are wider than a limit, such as its outline (Openings: Leave open, "
+      "Automatic)");
 }
 
 std::string dense_parts_line(const InitialMeshReport& report) {

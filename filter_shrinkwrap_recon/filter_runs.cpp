@@ -510,8 +510,7 @@ FilterOutcome run_filter(Filter filter, const FilterRequest& request, const Filt
   if (needs_faces && input.mesh.triangles.empty())
     throw InvalidInput(
         "the layer chosen as Mesh has no faces: choose one that a reconstruction filter made "
-        "(where "
-        "stray points were left out, the layers after the first mesh have one number more)");
+        "(where stray points were left out, the layers after the first mesh have one number more)");
   if (needs_mesh && input.mesh.position.empty())
     throw InvalidInput("the layer chosen as Mesh has no vertices: choose another");
 

@@ -18,7 +18,8 @@
 #
 # Does all of its own set-up, quick the second time. Prints the stages and the matching report of each input, then a
 # table of all and a list of those that failed, and why; leaves with 1 if any failed. A mesh is there whole or not at
-# all: not half-written when the script is stopped, and not left from an earlier run when this one fails.
+# all: not half-written when the script is stopped, and not left from an earlier run when this one fails. After a stop,
+# what was not yet begun keeps the mesh of an earlier run.
 set -eu
 
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -28,17 +29,20 @@ script=$root/sample_clouds/reconstruct.mlx
 usage() { sed -n '2,/^set -eu/s/^# \{0,1\}//p' "$0"; }
 
 work=$(mktemp -d)
-stop() { # The host runs in process groups of its own, which no signal from the terminal reaches.
-  trap '' HUP INT TERM PIPE
+stop_hosts() { # They run in process groups of their own, which no signal from the terminal reaches.
   touch "$work/stopped"
   for group in "$work"/*/group; do
     [ ! -s "$group" ] || kill -TERM -- "-$(cat "$group")" 2>/dev/null || :
   done
   wait
-  say "Stopped: ${shown:-0} of ${total:-0} were told of above; no others are to be relied on."
+}
+stop() {
+  trap '' HUP INT TERM PIPE
+  stop_hosts
+  say "Stopped: ${shown:-0} of ${total:-0} were told of above; no others are to be relied on." || :
   exit 130
 }
-trap 'rm -rf "$work"' EXIT
+trap 'stop_hosts; rm -rf "$work"' EXIT
 trap stop HUP INT TERM PIPE
 
 # --- arguments -----------------------------------------------------------------------------------------------------
@@ -181,6 +185,8 @@ while [ "$left" -gt 0 ]; do
         if [ -f "$file" ]; then
           set -- "$@" "$file"
           found=yes
+        elif [ -e "$file" ]; then
+          left_alone=$((left_alone + 1))
         fi
         ;;
       *) [ ! -e "$file" ] || left_alone=$((left_alone + 1)) ;;
@@ -293,8 +299,8 @@ has_room() { # file to try with
 # The first line of a text file, with its number, that begins with a word and has two more after it, but for NaN and
 # infinity.
 words_in() { # file
-  LC_ALL=C grep -niE '^[[:space:]]*[a-z/][^[:space:]]*[[:space:]]+[^[:space:]]+[[:space:]]+[^[:space:]]' "$1" 2>/dev/null |
-    LC_ALL=C grep -viE -m 1 '^[0-9]+:[[:space:]]*(nan|inf)' | tr -d '\r' | cut -c 1-60
+  LC_ALL=C grep -naiE '^[[:space:]]*[a-z/][^[:space:]]*[[:space:]]+[^[:space:]]+[[:space:]]+[^[:space:]]' "$1" 2>/dev/null |
+    LC_ALL=C grep -vaiE -m 1 '^[0-9]+:[[:space:]]*(nan|inf(inity)?)([[:space:]]|$)' | tr -d '\r' | cut -c 1-60
 }
 
 # reconstruct INPUT TARGET FOLDER: writes TARGET only if all went well; FOLDER gets `log`, and `status`, one line.
@@ -354,7 +360,7 @@ reconstruct() {
   sed -n -e '1,/^.*filter: /d' -e '/^Mesh .* saved as /q' -e '/^Problem with filter/q' -e '/^Output mesh /q' \
     -e '/^Failed saving/q' -e p "$job/host.log" >"$job/log"
 
-  reason=$(sed -n -e 's/^Shrink Wrap failed: //' -e T -e 's/^layer "[^"]*": //' -e p "$job/log" | tail -n 1)
+  reason=$(sed -n -e '/^Shrink Wrap failed: /!d' -e 's/^Shrink Wrap failed: //' -e 's/^layer "[^"]*": //' -e p "$job/log" | tail -n 1)
   verdict=$(sed -n 's/^Shrink Wrap succeeded: //p' "$job/log" | tail -n 1)
   if [ -e "$work/stopped" ]; then
     give_up "stopped"

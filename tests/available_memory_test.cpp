@@ -55,8 +55,9 @@ TEST_F(AvailableMemory, IsLimitedByTheGroup) {
   EXPECT_EQ(available(), 2500000u);
   // Files can be given up, whatever holds them.
   write("sys/fs/cgroup/a/b/memory.stat",
-        "anon 200000\nfile 300000\ninactive_file 150000\nactive_file 50000\n");
-  EXPECT_EQ(available(), 2700000u);
+        "anon 200000\nfile 300000\ninactive_file 150000\nactive_file 50000\n"
+        "slab_reclaimable 1000\n");
+  EXPECT_EQ(available(), 2701000u);
   write_group("sys/fs/cgroup/a/b", "3000000", "4000000");
   EXPECT_EQ(available(), 1u) << "nothing, but that is known";
 }

@@ -27,16 +27,25 @@ TEST(FilterLog, WhatSuitsAnOpenSheetIsTold) {
 TEST(FilterLog, CoordinatesWithFewStepsAreWarnedOf) {
   const std::vector<Vec3> shape = sample_shape(ShapeKind::sphere, 2000, 3);
   const std::string told = "are held in steps of 0.25";
-  for (const double scale : {1.0, 100.0}) {  // spacings of about 0.08 and 8
+  Progress silent;
+  const double step = 0.25, spacing = reconstruct(shape, {}, silent).spacing;
+  for (const double part : {0.025, 0.015}) {  // of the spacing
     FilterInput input;
     for (const Vec3& p : shape)
-      input.points.push_back(50.0 * scale * p + Vec3(500000.0, 4000000.0, 100.0));
+      input.points.push_back(step / (part * spacing) * p + Vec3(500000.0, 4000000.0, 100.0));
     EXPECT_FALSE(is_in(run(Filter::reconstruct, input).warnings, "in steps of")) << "doubles";
     input.points = in_single_precision(input.points);
     for (const Filter filter : {Filter::reconstruct, Filter::initial_mesh})
-      EXPECT_EQ(is_in(run(filter, input).warnings, told), scale == 1.0) << scale;
+      EXPECT_EQ(is_in(run(filter, input).warnings, told), part > 0.02) << part;
   }
-  // So few that the points come to lie on a line.
+  // How far away a stray point is does not matter.
+  FilterInput with_stray;
+  with_stray.points = in_single_precision(sample_shape(ShapeKind::sphere, 8000, 3));
+  with_stray.points.emplace_back(9000.0, 0.0, 0.0);
+  const FilterOutcome outcome = run(Filter::reconstruct, with_stray);
+  EXPECT_EQ(outcome.outliers.position.size(), 1u);
+  EXPECT_FALSE(is_in(outcome.warnings, "in steps of"));
+  // So few that nothing is left of the surface.
   std::vector<Vec3> small;
   for (const Vec3& p : shape) small.push_back(0.05 * p + Vec3(500000.0, 4000000.0, 100.0));
   try {
@@ -60,7 +69,9 @@ TEST(FilterLog, SecondAttemptsTellOnlyOfFaultsThatThereWere) {
     return outcome.log.at(0);
   };
   EXPECT_EQ(told(3, 0).rfind("Matched again because of 3 faces that met", 0), 0u);
+  EXPECT_EQ(told(3, 0).find("no sample"), std::string::npos);
   EXPECT_EQ(told(0, 1).rfind("Matched again because of 1 vertex that is no sample", 0), 0u);
+  EXPECT_EQ(told(0, 1).find("until annealed"), std::string::npos);
   EXPECT_NE(told(3, 2).find("still do and 2 vertices that are no samples"), std::string::npos);
 }
 

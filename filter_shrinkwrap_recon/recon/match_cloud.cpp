@@ -1,5 +1,6 @@
 #include "match_cloud.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "complete_matching/finish_matching.h"
@@ -10,6 +11,21 @@
 #include "report/stage_qualities.h"
 
 namespace shrinkwrap {
+namespace {
+
+// RepairOptions::tried once what stays of extra vertices has been drawn in: faces at these have
+// changed.
+std::vector<Triangle> tried_before(const SurfaceMesh& mesh, const RepairReport& repair,
+                                   const ExtraVertices& extra) {
+  std::vector<Triangle> tried = surroundings(mesh, repair.remaining_faces);
+  const auto has_moved = [&](const Triangle& t) {
+    return std::any_of(t.begin(), t.end(), [&](Index v) { return extra.has(v); });
+  };
+  tried.erase(std::remove_if(tried.begin(), tried.end(), has_moved), tried.end());
+  return tried;
+}
+
+}  // namespace
 
 CompleteMatching match_cloud(SurfaceMesh parametric, PointCloud& cloud, OutlierReport& outliers,
                              const std::vector<Vec3>& points, const ReconstructionOptions& options,
@@ -49,12 +65,12 @@ OptimisedMesh optimise_matching(CompleteMatching& matching, const PointCloud& cl
   }
   result.extra_vertices = extra_vertices_kept(matching.mesh, cloud.size(), matching.opening_faces);
   if (!cloud.conditioning.near_copies.empty()) {
-    RepairOptions near_copies = options.intersection_repair;
-    if (!repair.ran_short) near_copies.tried = surroundings(matching.mesh, repair.remaining_faces);
     const ExtraVertices extra = {cloud.size(), matching.mesh.vertex_slots()};
+    RepairOptions with_copies = options.intersection_repair;
+    if (!repair.ran_short) with_copies.tried = tried_before(matching.mesh, repair, extra);
     insert_near_copies(matching, cloud, points, progress);
     if (options.intersection_repair.enabled)
-      repair.add(repair_self_intersections(matching.mesh, near_copies, progress,
+      repair.add(repair_self_intersections(matching.mesh, with_copies, progress,
                                            matching.opening_faces, &matching.spanning_faces,
                                            extra));
     if (!matching.spanning_faces.empty())

@@ -192,6 +192,7 @@ Reconstruction run(const std::vector<Vec3>& points, ReconstructionOptions option
 
   if (options.outliers.exclude) {
     result.outliers = exclude_outliers(cloud, points, options.outliers, progress, far_strays);
+    result.conditioning.coordinate_step = cloud.conditioning.coordinate_step;
     log.add(Stage::outliers, cloud.size());
   }
   result.spacing = cloud.frame.to_input_length(cloud.spacing);

@@ -273,7 +273,7 @@ class ReconstructScript(ScriptTest):
     def test_text_files_that_are_not_read_as_they_are_meant(self):
         rows = [" ".join(map(str, p)) for p in sphere(600)]
         for name, lines, told in (("head.xyz", ["X Y Z", *rows], "line 1 (X Y Z) is no point"),
-                                  ("tail.xyz", [*rows, "end of scan"], "line 601 (end of scan) is no point"),
+                                  ("tail.xyz", [*rows, "info by scanner"], "line 601 (info by scanner) is no point"),
                                   ("seven.pts", [f"{row} 5 1 2 3" for row in rows], "it takes lines of 3 numbers")):
             with self.subTest(name=name):
                 (self.folder / name).write_text("\n".join(lines) + "\n")

@@ -304,7 +304,8 @@ void run(const File& file, const JobOptions& job_options, const ChildLimits& lim
   const ChildOutcome& outcome = reader.wait();
   Attempt made;
   if (outcome.end != ChildOutcome::End::finished) {
-    made.verdicts = {Verdict::importer_failed};
+    const bool is_whole = file.damages == 0 && file.points > 0;
+    made.verdicts = {is_whole ? Verdict::unread_file : Verdict::importer_failed};
     made.figures.add("ended_by", outcome.how);
     say(to_message(made));
     return;

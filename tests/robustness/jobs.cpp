@@ -13,7 +13,7 @@ namespace shrinkwrap::robustness {
 namespace {
 
 constexpr std::uint64_t kCompareThreadsEvery = 20;
-constexpr double kMostSeconds = 300.0;  // of the clock, on a machine that others may use too
+constexpr double kMostSeconds = 300.0;  // of the clock and of the processor, which others may use
 
 struct GalleryVariant {
   const char* name;

@@ -12,7 +12,7 @@ root=$(cd "$(dirname "$0")/../.." && pwd)
 
 usage() { sed -n '2,/^set -eu/s/^# \{0,1\}//p' "$0"; }
 is_number() {
-  case $1 in '' | *[!0-9]* | ????????????*) return 1 ;; esac
+  case $1 in '' | 0?* | *[!0-9]* | ????????????*) return 1 ;; esac
 }
 
 case " $* " in

@@ -45,11 +45,12 @@ std::uint64_t left_to_group(const std::string& folder, const GroupFiles& files) 
   const std::uint64_t limit = number_in(folder + files.limit, kUnlimited);
   if (limit == kUnlimited) return kUnlimited;
   const std::uint64_t usage = number_in(folder + files.usage, 0);
-  const auto of_files = [&](const char* kind) {
+  const auto given_up = [&](const char* kind) {
     return number_after(files.of_all_below + std::string(kind), folder + "/memory.stat", 0);
   };
   const std::uint64_t held =
-      usage - std::min(usage, of_files("inactive_file") + of_files("active_file"));
+      usage - std::min(usage, given_up("inactive_file") + given_up("active_file") +
+                                  given_up("slab_reclaimable"));
   return limit - std::min(limit, held);
 }
 

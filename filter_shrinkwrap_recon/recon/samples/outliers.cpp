@@ -379,7 +379,9 @@ OutlierReport exclude_from(PointCloud& cloud, const std::vector<Vec3>& points,
     ++report.rounds;
     if (stray.empty()) break;
   }
+  const double step = rest.conditioning.coordinate_step;  // strays may be farther from the origin
   rest.conditioning = cloud.conditioning;
+  rest.conditioning.coordinate_step = step;
   cloud = std::move(rest);
   leave_out_copies(cloud, report);
   return report;

@@ -21,8 +21,8 @@ struct ConditioningReport {
   std::size_t duplicates =
       0;  ///< points at the coordinates of an earlier one (-0 equals 0), left out
   std::size_t distinct = 0;  ///< samples: given - not_finite - duplicates
-  /// The step from the coordinate farthest from the origin to the next that a float can hold, in
-  /// input units; 0 if any coordinate has more digits than a float.
+  /// The step from the coordinate farthest from the origin, of those that are no outliers, to the
+  /// next that a float can hold, in input units; 0 if any has more digits than a float.
   double coordinate_step = 0.0;
   /// Of the samples, those that are no part of the cloud, since they lie where one that is does,
   /// but for a little: they become vertices at last (near_copy_insertion.h). Indices of points.
