@@ -41,12 +41,12 @@ class ScriptTest(unittest.TestCase):
 
 
 class ReconstructScript(ScriptTest):
-    def path_with_host_run_by(self, commands):
-        """A PATH with another program in the place of the one that runs the host."""
+    def path_with(self, program, commands):
+        """A PATH with another program in the place of one; `xvfb-run` runs the host."""
         programs = self.folder / "programs"
         programs.mkdir()
-        (programs / "xvfb-run").write_text(f"#!/bin/sh\n{commands}\n")
-        (programs / "xvfb-run").chmod(0o755)
+        (programs / program).write_text(f"#!/bin/sh\n{commands}\n")
+        (programs / program).chmod(0o755)
         return f"{programs}:{os.environ['PATH']}"
 
     def test_one_input_to_a_named_output(self):
@@ -114,7 +114,7 @@ class ReconstructScript(ScriptTest):
 
     def test_a_killed_host_is_not_taken_for_a_late_one(self):
         self.cloud("a.ply", sphere(600))
-        path = self.path_with_host_run_by("kill -9 $$")
+        path = self.path_with("xvfb-run", "kill -9 $$")
         self.assertEqual(self.call("a.ply", "--time-limit", "300", PATH=path), 1, self.text)
         self.assertIn("FAILED: MeshLab was killed", self.text)
 
@@ -317,7 +317,14 @@ class ReconstructScript(ScriptTest):
     def test_half_a_mesh_is_none(self):
         """A disk that is full is not taken for success, though the host ends as if nothing was wrong."""
         self.cloud("a.ply", sphere(6000))
-        path = self.path_with_host_run_by(f"""trap '' XFSZ\nulimit -f 128\nexec '{shutil.which("xvfb-run")}' "$@\"""")
+        path = self.path_with("xvfb-run", f"""trap '' XFSZ\nulimit -f 128\nexec '{shutil.which("xvfb-run")}' "$@\"""")
+        self.assertEqual(self.call("a.ply", PATH=path), 1, self.text)
+        self.assertIn("FAILED: MeshLab could not write the whole mesh", self.text)
+        self.assertFalse((self.folder / "a_shrink_wrap.ply").exists())
+
+    def test_a_mesh_after_which_nothing_can_be_written_is_not_trusted(self):
+        self.cloud("a.ply", sphere(600))
+        path = self.path_with("head", "exit 1")  # what tries whether there is room
         self.assertEqual(self.call("a.ply", PATH=path), 1, self.text)
         self.assertIn("FAILED: MeshLab could not write the whole mesh", self.text)
         self.assertFalse((self.folder / "a_shrink_wrap.ply").exists())
