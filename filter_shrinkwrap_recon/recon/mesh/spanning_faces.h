@@ -17,9 +17,8 @@ struct ExtraVertices {
 
 /// Names the `spanning` faces (ascending) of a mesh anew: within each of `sets` of faces
 /// (ascending) that took each other's slots, as many as before, or as have a vertex that is no
-/// sample if these are more. These come first, then those next to a face
-/// that spans, of several the one with the longest edge. O(n log n) of the faces in sets with both
-/// kinds.
+/// sample if these are more. These come first, then those next to a face that spans, of several the
+/// one with the longest edge. O(n log n) of the faces in sets with both kinds.
 void restore_spanning_faces(const SurfaceMesh& mesh, const std::vector<std::vector<Index>>& sets,
                             const ExtraVertices& extra, std::vector<Index>& spanning);
 

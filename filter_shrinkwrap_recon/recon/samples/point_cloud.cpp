@@ -107,13 +107,6 @@ Digits digits_of(const Vec3& p) {
   return {p.cwiseAbs(), is_float(p.x()) && is_float(p.y()) && is_float(p.z())};
 }
 
-// Such that a half to one times two to it is x.
-int exponent_of(double x) {
-  int exponent = 0;
-  std::frexp(x, &exponent);
-  return exponent;
-}
-
 // How far rounding may have moved a point along each axis, in the unit frame: the coordinates may
 // be floats or doubles.
 struct Rounding {
@@ -131,9 +124,9 @@ Rounding rounding_of_input(const std::vector<Vec3>& points, const PointCloud& cl
         return some;
       });
   const double last_digit = std::ldexp(1.0, extremes.are_floats ? -23 : -52);
-  const double power_of_two = std::ldexp(0.5, exponent_of(extremes.largest.maxCoeff()));
+  const double step = std::ldexp(last_digit, std::ilogb(extremes.largest.maxCoeff()));
   return {last_digit * cloud.frame.scale * extremes.largest, std::max(last_digit, 1e-12),
-          extremes.are_floats ? last_digit * power_of_two : 0.0};
+          extremes.are_floats ? step : 0.0};
 }
 
 // Of the samples, from the plane and from the line that fit them best: the farthest.
