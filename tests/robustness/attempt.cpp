@@ -1,11 +1,14 @@
 #include "attempt.h"
 
+#include <algorithm>
+#include <functional>
 #include <iomanip>
+#include <iterator>
 #include <new>
 #include <ostream>
 #include <sstream>
 
-#include "judge.h"
+#include "expect_mesh.h"
 #include "process_figures.h"
 
 namespace shrinkwrap::robustness {
@@ -52,6 +55,25 @@ bool same(const Outcome& a, const Outcome& b) {
          a.result.mesh.input_index == b.result.mesh.input_index;
 }
 
+// Points that were given, each once, in their order.
+bool are_indices(const std::vector<Index>& left_out, std::size_t points) {
+  return std::is_sorted(left_out.begin(), left_out.end(), std::less_equal<>()) &&
+         (left_out.empty() ||
+          (left_out.front() >= 0 && left_out.back() < static_cast<Index>(points)));
+}
+
+// How many of `a` are not in `b`. Pre: both ascending.
+std::size_t count_beyond(const std::vector<Index>& a, const std::vector<Index>& b) {
+  std::vector<Index> beyond;
+  std::set_difference(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(beyond));
+  return beyond.size();
+}
+
+bool is_closed_manifold(const ResultMesh& mesh) {
+  return testing::topology_of(static_cast<Index>(mesh.position.size()), mesh.triangles)
+      .closed_manifold();
+}
+
 bool agrees(const Judgement& judgement, const MeshReport& report) {
   const bool counts_agree =
       report.samples_missing == judgement.missing && report.vertices_extra == judgement.extra &&
@@ -60,25 +82,34 @@ bool agrees(const Judgement& judgement, const MeshReport& report) {
   return counts_agree && (!counted || report.self_intersecting_faces == judgement.intersecting);
 }
 
+}  // namespace
+
 std::vector<Verdict> verdicts_on(const Judgement& judgement, const Reconstruction& result,
-                                 const ReconstructionOptions& options,
+                                 std::size_t points, const ReconstructionOptions& options,
                                  const Expectation& expectation) {
   std::vector<Verdict> verdicts;
   const auto if_so = [&](bool holds, Verdict verdict) {
     if (holds) verdicts.push_back(verdict);
   };
   const bool left_open =
-      options.complete_matching.openings == CompleteMatchingOptions::Openings::leave_open;
+      options.complete_matching.openings != CompleteMatchingOptions::Openings::close;
   if_so(!judgement.closed() && !left_open, Verdict::not_closed);
   if_so(!judgement.manifold, Verdict::not_manifold);
   if_so(expectation.invalid, Verdict::accepted_invalid);
   if_so(judgement.manifold && judgement.closed() && !judgement.outward, Verdict::not_outward);
-  if_so(!agrees(judgement, result.report), Verdict::dishonest_report);
-  const std::size_t left_out = result.outliers.input_index.size();
-  if_so(expectation.resolved && !expectation.has_outliers && left_out > 0,
-        Verdict::sample_left_out);
-
+  if_so(!agrees(judgement, result.report) || !are_indices(result.outliers.input_index, points),
+        Verdict::dishonest_report);
   const bool resolved = expectation.resolved;
+  const std::vector<Index>& left_out = result.outliers.input_index;
+  if_so(resolved && count_beyond(left_out, expectation.strays) > 0, Verdict::sample_left_out);
+  if_so(resolved && options.outliers.exclude && count_beyond(expectation.far_strays, left_out) > 0,
+        Verdict::stray_kept);
+  for (const StageRecord& stage : result.stages)
+    if (!stage.mesh.triangles.empty() && !is_closed_manifold(stage.mesh)) {
+      verdicts.push_back(Verdict::bad_stage_mesh);
+      break;
+    }
+
   if (!options.stop_at_parametric_surface) {
     if_so(judgement.moved > 0, Verdict::moved_sample);
     if_so(judgement.missing > 0 || judgement.repeated > 0, Verdict::missing_sample);
@@ -87,6 +118,8 @@ std::vector<Verdict> verdicts_on(const Judgement& judgement, const Reconstructio
   }
   if_so(resolved && !expectation.open && !judgement.closed() && left_open, Verdict::false_opening);
   if (judgement.genus >= 0) {
+    const Index most = options.initial_mesh.maximum_genus;
+    if_so(most >= 0 && judgement.genus > most, Verdict::genus_beyond);
     const bool right_genus = judgement.genus == expectation.genus;
     const bool right_components = judgement.components == expectation.components;
     if_so(resolved && !right_genus, Verdict::wrong_genus);
@@ -99,8 +132,6 @@ std::vector<Verdict> verdicts_on(const Judgement& judgement, const Reconstructio
         resolved ? Verdict::degenerate_faces : Verdict::degenerate_faces_unresolved);
   return verdicts;
 }
-
-}  // namespace
 
 const char* verdict_name(Verdict verdict) {
   static constexpr const char* names[kVerdictCount] = {
@@ -116,12 +147,15 @@ const char* verdict_name(Verdict verdict) {
       "moved_sample",
       "dishonest_report",
       "unread_file",
+      "bad_stage_mesh",
+      "genus_beyond",
       "nondeterministic",
       "too_slow",
       "failed",
       "refused",
       "extra_vertices",
       "sample_left_out",
+      "stray_kept",
       "false_opening",
       "wrong_genus",
       "wrong_components",
@@ -167,11 +201,17 @@ Attempt attempt(const std::vector<Vec3>& points, ReconstructionOptions options,
   }
 
   const std::vector<Index>& left_out = outcome.result.outliers.input_index;
-  const Judgement judgement = judge(points, left_out, outcome.result.mesh, true);
-  for (const Verdict verdict : verdicts_on(judgement, outcome.result, options, expectation))
+  const Judgement judgement =
+      judge(points, options.outliers.exclude ? left_out : std::vector<Index>(), outcome.result.mesh,
+            true);
+  for (const Verdict verdict :
+       verdicts_on(judgement, outcome.result, points.size(), options, expectation))
     made.verdicts.push_back(verdict);
   made.figures.add("samples", judgement.samples)
       .add("left_out", left_out.size())
+      .add("samples_left_out", count_beyond(left_out, expectation.strays))
+      .add("far_strays", expectation.far_strays.size())
+      .add("far_strays_kept", count_beyond(expectation.far_strays, left_out))
       .add("vertices", judgement.vertices)
       .add("border_edges", judgement.border_edges)
       .add("missing", judgement.missing)

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "json_line.h"
+#include "judge.h"
 #include "reconstruct.h"
 
 namespace shrinkwrap::robustness {
@@ -27,13 +28,16 @@ enum class Verdict {
   moved_sample,      ///< a vertex is not exactly at its sample
   dishonest_report,  ///< the library's own report says otherwise than the judge
   unread_file,       ///< one without damage, or other points than were written to it
+  bad_stage_mesh,    ///< one of those that are kept is not closed, or not manifold
+  genus_beyond,      ///< the greatest that was asked for
   nondeterministic,  ///< one and two threads differ
   too_slow,          ///< if a time limit was asked for
   // Not on clouds that resolve the shape:
   failed,
   refused,
   extra_vertices,   ///< V != N: vertices that are no sample
-  sample_left_out,  ///< as an outlier, where there is none
+  sample_left_out,  ///< as an outlier, which it is not
+  stray_kept,       ///< far from the object, as part of its surface
   false_opening,    ///< left where the object has none
   wrong_genus,
   wrong_components,
@@ -49,7 +53,7 @@ enum class Verdict {
   degenerate_faces_unresolved,
   importer_failed,  ///< vcglib's, on a damaged file, before our part began
 };
-constexpr int kVerdictCount = 30;
+constexpr int kVerdictCount = 33;
 const char* verdict_name(Verdict verdict);
 enum class Severity { broken_promise, defect, note };
 Severity severity_of(Verdict verdict);
@@ -58,10 +62,11 @@ Severity severity_of(Verdict verdict);
 struct Expectation {
   bool invalid = false;   ///< must be refused as invalid input
   bool resolved = false;  ///< dense and clean enough: must succeed, with these figures
-  bool has_outliers = false;
-  bool open = false;  ///< the object has openings: extra vertices are allowed
+  bool open = false;      ///< the object has openings: extra vertices are allowed
   int genus = 0;
   int components = 1;
+  /// Points that are no samples of the object, ascending; and those of them that are far from it.
+  std::vector<Index> strays, far_strays;
 };
 
 /// What is looked at besides the mesh.
@@ -76,6 +81,11 @@ struct Attempt {
   std::vector<Verdict> verdicts;
   benchmarking::JsonLine figures;
 };
+
+/// What is wrong with a mesh that was made of so many points.
+std::vector<Verdict> verdicts_on(const Judgement& judgement, const Reconstruction& result,
+                                 std::size_t points, const ReconstructionOptions& options,
+                                 const Expectation& expectation);
 
 /// Reconstructs and judges, with as many threads as the options say. Throws nothing.
 Attempt attempt(const std::vector<Vec3>& points, ReconstructionOptions options,

@@ -14,6 +14,7 @@ constexpr double kLeastFeature = 3.0;        // x spacing
 constexpr double kLeastRandomFeature = 4.0;  // of samples that leave gaps
 constexpr double kMostDisplacement = 0.1;    // x spacing
 constexpr Index kFewestSamples = 200;
+constexpr double kFarStray = 4.0;      // x spacing where the samples are farthest apart
 constexpr Index kDrawnForDetail = 4;   // x the samples aimed at, as most are then left out
 constexpr double kLineDistance = 3.0;  // of scan lines, x distance of samples within a line
 
@@ -140,6 +141,23 @@ void quantise(std::vector<Vec3>& points, double quantum) {
     for (int axis = 0; axis < 3; ++axis) p[axis] = quantum * std::round(p[axis] / quantum);
 }
 
+// Those of `strays` that no sample is nearer to than `distance`.
+std::vector<Index> far_from_samples(const std::vector<Vec3>& points,
+                                    const std::vector<Index>& strays, double distance) {
+  std::vector<Vec3> samples;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!std::binary_search(strays.begin(), strays.end(), static_cast<Index>(i)))
+      samples.push_back(points[i]);
+  std::vector<Index> far;
+  for (const Index stray : strays) {
+    const Vec3& p = points[static_cast<std::size_t>(stray)];
+    if (std::none_of(samples.begin(), samples.end(),
+                     [&](const Vec3& sample) { return (sample - p).norm() < distance; }))
+      far.push_back(stray);
+  }
+  return far;
+}
+
 // Of the samples where they are farthest from each other. `kept`: the share of them that was left
 // when all but a detail was thinned out.
 double widest_spacing(const Case& generated, double mean_spacing, double kept) {
@@ -154,7 +172,9 @@ bool is_resolved(const Case& generated, const Solid& solid, Index samples, doubl
                  double widest, double rounding) {
   const bool misses_parts =
       generated.sampling == Sampling::scan_lines && (solid.has_level_faces || solid.has_limbs);
-  if (misses_parts || generated.outliers > 0.0 || samples < kFewestSamples) return false;
+  if (misses_parts || samples < kFewestSamples) return false;
+  if (generated.variant == Variant::every_sample && generated.outliers > 0.0) return false;
+  if (generated.variant == Variant::genus_zero && solid.genus > 0) return false;
   const bool even =
       generated.sampling == Sampling::blue_noise || generated.sampling == Sampling::grid;
   const double displacement = generated.noise + 0.3 * generated.quantum + rounding / mean_spacing;
@@ -171,8 +191,10 @@ const char* sampling_name(Sampling sampling) {
 }
 
 const char* variant_name(Variant variant) {
-  static constexpr const char* names[] = {"standard", "leave_open", "stop_at_surface",
-                                          "as_in_the_paper", "stop_and_leave_open"};
+  static constexpr const char* names[] = {
+      "standard",        "leave_open",          "stop_at_surface",
+      "as_in_the_paper", "stop_and_leave_open", "automatic_openings",
+      "genus_zero",      "every_sample",        "keep_stages"};
   return names[static_cast<int>(variant)];
 }
 
@@ -203,8 +225,9 @@ Case case_of(std::uint64_t number) {
         one_of({Vec3(1.0, -2.0, 0.5), Vec3(5e3, 5.4e4, 3.0), Vec3(1e8, 0.0, -1e9)}, random);
   // Single precision would leave nothing of an object that lies a billion times its size away.
   made.single_precision = now_and_then(0.5) && made.offset.norm() < 1e6;
-  if (now_and_then(0.2)) made.variant = static_cast<Variant>(1 + random.below(4));
+  if (now_and_then(0.3)) made.variant = static_cast<Variant>(1 + random.below(kVariantCount - 1));
   if (now_and_then(0.1)) made.detail_ratio = one_of({10.0, 100.0}, random);
+  made.clustered = made.outliers > 0.0 && made.outliers < 0.01 && now_and_then(0.5);
   return made;
 }
 
@@ -215,6 +238,11 @@ ReconstructionOptions options_of(const Case& generated) {
     options.complete_matching.openings = CompleteMatchingOptions::Openings::leave_open;
   options.stop_at_parametric_surface = generated.variant == Variant::stop_at_surface ||
                                        generated.variant == Variant::stop_and_leave_open;
+  if (generated.variant == Variant::automatic_openings)
+    options.complete_matching.openings = CompleteMatchingOptions::Openings::automatic;
+  if (generated.variant == Variant::genus_zero) options.initial_mesh.maximum_genus = 0;
+  options.outliers.exclude = generated.variant != Variant::every_sample;
+  options.keep_stages = generated.variant == Variant::keep_stages;
   options.host_scalar =
       generated.single_precision ? HostScalar::single_precision : HostScalar::double_precision;
   return options;
@@ -239,8 +267,20 @@ CaseCloud cloud_of(const Case& generated) {
     kept = static_cast<double>(points.size()) / std::max(before, 1.0);
   }
 
-  for (Vec3& p : points) {
-    if (random.uniform() < generated.outliers) p = 1.5 * solid.radius * random.in_cube();
+  CaseCloud cloud;
+  // Fewer together than make a body.
+  const std::size_t together =
+      generated.clustered ? std::clamp<std::size_t>(points.size() / 200, 3, 15) : 1;
+  Vec3 centre = Vec3::Zero();
+  std::vector<Index>& strays = cloud.expectation.strays;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    Vec3& p = points[i];
+    if (random.uniform() < generated.outliers) {
+      if (strays.size() % together == 0) centre = 1.5 * solid.radius * random.in_cube();
+      p = centre;
+      if (together > 1) p += spacing * random.in_cube();
+      strays.push_back(static_cast<Index>(i));
+    }
     for (int axis = 0; axis < 3; ++axis) p[axis] += generated.noise * spacing * random.gaussian();
   }
   if (generated.quantum > 0.0) quantise(points, generated.quantum * spacing);
@@ -258,11 +298,11 @@ CaseCloud cloud_of(const Case& generated) {
     largest = std::max(largest, p.cwiseAbs().maxCoeff());
   }
 
-  CaseCloud cloud;
   const double rounding = largest / scale * (generated.single_precision ? 0x1p-24 : 0x1p-53);
   const double mean_spacing = std::sqrt(area / std::max(1.0, static_cast<double>(points.size())));
   const double widest = widest_spacing(generated, mean_spacing, kept);
   cloud.least_feature = solid.least_feature / widest;
+  cloud.expectation.far_strays = far_from_samples(points, strays, kFarStray * scale * widest);
   // The paper's start is a box, of genus 0, and cannot enter a cavity: nothing can be expected.
   cloud.expectation.resolved = generated.variant != Variant::as_in_the_paper &&
                                is_resolved(generated, solid, static_cast<Index>(points.size()),
@@ -287,6 +327,7 @@ benchmarking::JsonLine describe(const Case& generated) {
       .add("density_ratio", generated.density_ratio)
       .add("detail_ratio", generated.detail_ratio)
       .add("outliers", generated.outliers)
+      .add("clustered", generated.clustered)
       .add("rotated", generated.rotated)
       .add("scale_exponent", generated.scale_exponent)
       .add("offset", generated.offset.cwiseAbs().maxCoeff())

@@ -22,7 +22,18 @@ constexpr int kSamplingCount = 5;
 const char* sampling_name(Sampling sampling);
 
 /// What is asked of the reconstruction.
-enum class Variant { standard, leave_open, stop_at_surface, as_in_the_paper, stop_and_leave_open };
+enum class Variant {
+  standard,
+  leave_open,
+  stop_at_surface,
+  as_in_the_paper,
+  stop_and_leave_open,
+  automatic_openings,
+  genus_zero,    ///< imposed, whatever the genus of the solid
+  every_sample,  ///< strays too are part of the surface
+  keep_stages,
+};
+constexpr int kVariantCount = 9;
 const char* variant_name(Variant variant);
 
 struct Case {
@@ -37,6 +48,7 @@ struct Case {
   double density_ratio = 1.0;  ///< of the densest to the thinnest side
   double detail_ratio = 1.0;   ///< of the density in a ball about a sample to that elsewhere
   double outliers = 0.0;       ///< fraction of the samples
+  bool clustered = false;      ///< these lie together, several at a time
   bool rotated = false;        ///< nothing lies along an axis
   int scale_exponent = 0;      ///< scaled by ten to this
   Vec3 offset = Vec3::Zero();  ///< x size of the object
@@ -51,8 +63,9 @@ struct CaseCloud {
   double least_feature = 0.0;  ///< x spacing where the samples are farthest apart
 };
 /// A case is resolved if its samples lie within a tenth of a spacing of the surface (rounding
-/// included), have no outliers, are at least 200, and if the thinnest wall, gap or hole measures at
-/// least 3 spacings (4 unless they are spread evenly), where they are farthest apart.
+/// included), are at least 200, and if the thinnest wall, gap or hole measures at least 3 spacings
+/// (4 unless they are spread evenly), where they are farthest apart. Strays must be left out that
+/// are farther than 4 of these from every sample.
 CaseCloud cloud_of(const Case& generated);
 
 benchmarking::JsonLine describe(const Case& generated);

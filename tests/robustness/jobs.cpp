@@ -21,20 +21,24 @@ struct GalleryVariant {
   bool keeps_expectations;  ///< of the mesh; what must be refused is refused by all
 };
 
-std::array<GalleryVariant, 6> gallery_variants() {
+std::array<GalleryVariant, 8> gallery_variants() {
   const ReconstructionOptions robust;
   ReconstructionOptions in_doubles = robust, left_open = robust, surface_only = robust;
   in_doubles.host_scalar = HostScalar::double_precision;
   left_open.complete_matching.openings = CompleteMatchingOptions::Openings::leave_open;
   surface_only.stop_at_parametric_surface = true;
-  ReconstructionOptions open_surface = left_open;
+  ReconstructionOptions automatic = robust, every_sample = robust, open_surface = left_open;
+  automatic.complete_matching.openings = CompleteMatchingOptions::Openings::automatic;
+  every_sample.outliers.exclude = false;
   open_surface.stop_at_parametric_surface = true;
   return {{{"standard", robust, true},
            {"double", in_doubles, true},
            {"leave_open", left_open, false},
            {"stop_at_surface", surface_only, false},
            {"as_in_the_paper", as_in_the_paper(), false},
-           {"stop_and_leave_open", open_surface, false}}};
+           {"stop_and_leave_open", open_surface, false},
+           {"automatic_openings", automatic, false},
+           {"every_sample", every_sample, false}}};
 }
 
 Job cloud_job(std::uint64_t number, const JobOptions& job_options) {

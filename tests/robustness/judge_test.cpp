@@ -203,6 +203,53 @@ TEST_F(JudgeOfASphere, FindsFacesThatCutOthers) {
   EXPECT_GE(open.intersecting, closed.intersecting - 1);
 }
 
+// Of a mesh that is said to be what a run made of the samples of the sphere.
+class VerdictsOnASphere : public JudgeOfASphere {
+ protected:
+  std::vector<Verdict> verdicts() {
+    Progress progress;
+    result.mesh = mesh;
+    result.report = measure_mesh(mesh.position, mesh.triangles, samples, {}, progress);
+    return verdicts_on(judged(), result, samples.size(), options, expectation);
+  }
+
+  Reconstruction result;
+  ReconstructionOptions options;
+  Expectation expectation;
+};
+
+TEST_F(VerdictsOnASphere, TellOfStagesThatAreNotClosed) {
+  result.stages.resize(2);
+  result.stages[1].mesh = mesh;
+  EXPECT_TRUE(verdicts().empty());
+  result.stages[1].mesh.triangles.pop_back();
+  EXPECT_EQ(verdicts(), std::vector<Verdict>{Verdict::bad_stage_mesh});
+}
+
+TEST_F(VerdictsOnASphere, TellOfMoreHandlesThanWereAskedFor) {
+  const SurfaceMesh torus = testing::torus_mesh(24, 12);
+  mesh.position = samples = torus.position;
+  mesh.triangles = torus.triangles();
+  mesh.input_index.clear();
+  expectation.genus = 1;
+  for (const Index greatest : {kNone, 1, 0}) {
+    options.initial_mesh.maximum_genus = greatest;
+    const auto wrong = verdicts();
+    EXPECT_EQ(std::count(wrong.begin(), wrong.end(), Verdict::genus_beyond), greatest == 0);
+  }
+}
+
+TEST_F(VerdictsOnASphere, TellOfPointsLeftOutThatNobodyGave) {
+  const auto given = static_cast<Index>(samples.size());
+  for (const std::vector<Index>& left_out :
+       {std::vector<Index>{given}, {-1}, {given - 1, given - 2}, {given - 1, given - 1}}) {
+    result.outliers.input_index = left_out;
+    EXPECT_EQ(verdicts(), std::vector<Verdict>{Verdict::dishonest_report});
+  }
+  result.outliers.input_index = {given - 2, given - 1};
+  EXPECT_TRUE(verdicts().empty());
+}
+
 std::vector<Verdict> verdicts_of(const std::vector<Vec3>& points, const Expectation& expectation,
                                  const ReconstructionOptions& options = {}) {
   return attempt(points, options, expectation, {}).verdicts;
@@ -252,6 +299,25 @@ TEST(Judge, AsksNoSideOfFlatComponents) {
     EXPECT_TRUE(judgement.manifold && judgement.outward);
     EXPECT_TRUE(bounds_a_volume(mesh));
   }
+}
+
+TEST(Attempt, TellsStraysFromSamples) {
+  std::vector<Vec3> points = testing::sample_shape(testing::ShapeKind::sphere, 1000, 1);
+  const auto last = static_cast<Index>(points.size());
+  points.emplace_back(0.0, 0.0, 3.0);
+  Expectation expectation;
+  expectation.resolved = true;
+  EXPECT_EQ(verdicts_of(points, expectation), std::vector<Verdict>{Verdict::sample_left_out});
+  expectation.strays = expectation.far_strays = {last};
+  EXPECT_TRUE(verdicts_of(points, expectation).empty());
+  expectation.strays = expectation.far_strays = {0, last};
+  EXPECT_EQ(verdicts_of(points, expectation), std::vector<Verdict>{Verdict::stray_kept});
+  // Where the run is asked to keep them, they are samples like others.
+  points.pop_back();
+  expectation.strays = expectation.far_strays = {0};
+  ReconstructionOptions options;
+  options.outliers.exclude = false;
+  EXPECT_TRUE(verdicts_of(points, expectation, options).empty());
 }
 
 // On a slow machine time is no promise.

@@ -120,8 +120,8 @@ class OutlierSearch {
   void attach_others() {
     kept_.assign(cloud_.position.size(), 0);
     for (Index i = 0; i < cloud_.size(); ++i) kept_[i] = core_[i] && is_large(i);
-    keep_more([&](Index i) { return !core_[i] && is_held(i, options_.reach_of_others); });
-    keep_more([&](Index i) { return !core_[i] && is_held(i, options_.reach_beyond); });
+    keep_more([&](Index i) { return !core_[i] && is_held_by_core(i); });
+    keep_more([&](Index i) { return !core_[i] && is_held_beyond(i); });
     keep_flat_sets();
     keep_more([&](Index i) { return is_supported(i); });
     for (int ring = 0; ring < kRingsGoneOn; ++ring) keep_more([&](Index i) { return goes_on(i); });
@@ -250,8 +250,23 @@ class OutlierSearch {
                     is_near)
         .index;
   }
-  bool is_held(Index sample, double reach) const {
-    return nearest_within(reach, sample, [&](Index other) { return kept_[other] != 0; }) != kNone;
+  bool is_held_by_core(Index sample) const {
+    return nearest_within(options_.reach_of_others, sample, [&](Index other) {
+             return kept_[other] && is_beside(sample, other);
+           }) != kNone;
+  }
+  bool is_held_beyond(Index sample) const {
+    return nearest_within(options_.reach_beyond, sample,
+                          [&](Index other) { return kept_[other] != 0; }) != kNone;
+  }
+  // Whether a sample is near another, or as near to its plane as surfaces and noise bring it.
+  bool is_beside(Index sample, Index other) const {
+    const Vec3 d = cloud_.position[sample] - cloud_.position[other];
+    const double near = widening_ * options_.reach_off_plane * cloud_.local_spacing[other];
+    if (d.squaredNorm() <= near * near || is_in_plane(d, other, options_.slope_of_others))
+      return true;
+    const double height = std::abs(d.dot(cloud_.normal[other].cast<double>()));
+    return height <= options_.deviations_of_others * cloud_.deviation[other];
   }
 
   // Whether a sample juts out of the plane of its neighbours: of a flat, dense patch, that is.
