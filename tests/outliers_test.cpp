@@ -44,8 +44,8 @@ TEST(Outliers, NoiseIsNotStray) {
   }
 }
 
-// Rows of samples with much noise for how close they are within a row: one in three thousand is far
-// from all others, but hardly any as far from the plane as it is rough there.
+// Rows with much noise for how close their samples are: 23 of 72,000 seem stray, 42 if a sample is
+// not held by one in whose surroundings it is rough.
 TEST(Outliers, NoiseOfCloseRowsIsNotStray) {
   constexpr int kRows = 60, kInRow = 400;
   std::size_t found = 0;

@@ -57,7 +57,8 @@ bool same(const Outcome& a, const Outcome& b) {
 
 // Points that were given, each once, in their order.
 bool are_indices(const std::vector<Index>& left_out, std::size_t points) {
-  return std::is_sorted(left_out.begin(), left_out.end(), std::less_equal<>()) &&
+  return std::adjacent_find(left_out.begin(), left_out.end(), std::greater_equal<>()) ==
+             left_out.end() &&
          (left_out.empty() ||
           (left_out.front() >= 0 && left_out.back() < static_cast<Index>(points)));
 }
@@ -105,7 +106,7 @@ std::vector<Verdict> verdicts_on(const Judgement& judgement, const Reconstructio
   if_so(resolved && options.outliers.exclude && count_beyond(expectation.far_strays, left_out) > 0,
         Verdict::stray_kept);
   for (const StageRecord& stage : result.stages)
-    if (!stage.mesh.triangles.empty() && !is_closed_manifold(stage.mesh)) {
+    if (!left_open && !stage.mesh.triangles.empty() && !is_closed_manifold(stage.mesh)) {
       verdicts.push_back(Verdict::bad_stage_mesh);
       break;
     }
@@ -201,6 +202,11 @@ Attempt attempt(const std::vector<Vec3>& points, ReconstructionOptions options,
   }
 
   const std::vector<Index>& left_out = outcome.result.outliers.input_index;
+  if (!are_indices(left_out, points.size())) {
+    made.verdicts.push_back(Verdict::dishonest_report);
+    return made;
+  }
+  // Where none may be left out, one that was is missing.
   const Judgement judgement =
       judge(points, options.outliers.exclude ? left_out : std::vector<Index>(), outcome.result.mesh,
             true);

@@ -82,7 +82,7 @@ struct Attempt {
   benchmarking::JsonLine figures;
 };
 
-/// What is wrong with a mesh that was made of so many points.
+/// What is wrong with the mesh of a run that was given so many `points`. Pre: `judgement` is of it.
 std::vector<Verdict> verdicts_on(const Judgement& judgement, const Reconstruction& result,
                                  std::size_t points, const ReconstructionOptions& options,
                                  const Expectation& expectation);

@@ -141,7 +141,7 @@ void quantise(std::vector<Vec3>& points, double quantum) {
     for (int axis = 0; axis < 3; ++axis) p[axis] = quantum * std::round(p[axis] / quantum);
 }
 
-// Those of `strays` that no sample is nearer to than `distance`.
+// Those of `strays` that no sample is nearer to than `distance`; of several at one place the first.
 std::vector<Index> far_from_samples(const std::vector<Vec3>& points,
                                     const std::vector<Index>& strays, double distance) {
   std::vector<Vec3> samples;
@@ -151,8 +151,10 @@ std::vector<Index> far_from_samples(const std::vector<Vec3>& points,
   std::vector<Index> far;
   for (const Index stray : strays) {
     const Vec3& p = points[static_cast<std::size_t>(stray)];
-    if (std::none_of(samples.begin(), samples.end(),
-                     [&](const Vec3& sample) { return (sample - p).norm() < distance; }))
+    const auto is_near = [&](const Vec3& sample) { return (sample - p).norm() < distance; };
+    const auto is_here = [&](Index other) { return points[static_cast<std::size_t>(other)] == p; };
+    if (std::none_of(samples.begin(), samples.end(), is_near) &&
+        std::none_of(far.begin(), far.end(), is_here))
       far.push_back(stray);
   }
   return far;
@@ -268,9 +270,9 @@ CaseCloud cloud_of(const Case& generated) {
   }
 
   CaseCloud cloud;
-  // Fewer together than make a body.
+  // Fewer together than make a body, even if two such clusters meet.
   const std::size_t together =
-      generated.clustered ? std::clamp<std::size_t>(points.size() / 200, 3, 15) : 1;
+      generated.clustered ? std::clamp<std::size_t>(points.size() / 400, 2, 14) : 1;
   Vec3 centre = Vec3::Zero();
   std::vector<Index>& strays = cloud.expectation.strays;
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -64,8 +64,9 @@ struct CaseCloud {
 };
 /// A case is resolved if its samples lie within a tenth of a spacing of the surface (rounding
 /// included), are at least 200, and if the thinnest wall, gap or hole measures at least 3 spacings
-/// (4 unless they are spread evenly), where they are farthest apart. Strays must be left out that
-/// are farther than 4 of these from every sample.
+/// (4 unless they are spread evenly), where they are farthest apart; unless the run is that of the
+/// paper, keeps strays, or may not show the solid's genus. Strays must be left out that are farther
+/// than 4 of these spacings from every sample.
 CaseCloud cloud_of(const Case& generated);
 
 benchmarking::JsonLine describe(const Case& generated);

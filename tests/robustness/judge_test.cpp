@@ -224,6 +224,8 @@ TEST_F(VerdictsOnASphere, TellOfStagesThatAreNotClosed) {
   EXPECT_TRUE(verdicts().empty());
   result.stages[1].mesh.triangles.pop_back();
   EXPECT_EQ(verdicts(), std::vector<Verdict>{Verdict::bad_stage_mesh});
+  options.complete_matching.openings = CompleteMatchingOptions::Openings::leave_open;
+  EXPECT_TRUE(verdicts().empty());
 }
 
 TEST_F(VerdictsOnASphere, TellOfMoreHandlesThanWereAskedFor) {

@@ -15,11 +15,11 @@ struct OutlierOptions {
   double reach = 2.5;            ///< between core samples
   double reach_of_others = 3.0;  ///< from a core sample to one that is none
   double reach_beyond = 1.5;     ///< from there to one further
-  // One that is farther than `reach_off_plane` times the spacing of the core sample must lie about
-  // in its plane, or no farther from that than its surroundings are rough.
+  // A sample that is no core sample, and farther from one than `reach_off_plane` times the spacing
+  // there, must lie about in its plane, or no farther off it than the surroundings are rough.
   double reach_off_plane = 2.0;
   double slope_of_others = 0.5;       ///< height over the plane, x distance, at most
-  double deviations_of_others = 3.0;  ///< or x PointCloud::deviation
+  double deviations_of_others = 3.0;  ///< the same, x PointCloud::deviation of the core sample
   Index smallest_set = 30;  ///< samples; a hundredth of all where that is less, at least 4
   // A smaller set, as the last lines of a scan are, stays if it has the samples of a neighbourhood
   // (SampleOptions::kUsualNeighbours, or as many as there are), is as flat as a surface
