@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <functional>
 #include <iomanip>
-#include <iterator>
 #include <new>
 #include <ostream>
 #include <sstream>
@@ -63,13 +62,6 @@ bool are_indices(const std::vector<Index>& left_out, std::size_t points) {
           (left_out.front() >= 0 && left_out.back() < static_cast<Index>(points)));
 }
 
-// How many of `a` are not in `b`. Pre: both ascending.
-std::size_t count_beyond(const std::vector<Index>& a, const std::vector<Index>& b) {
-  std::vector<Index> beyond;
-  std::set_difference(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(beyond));
-  return beyond.size();
-}
-
 bool is_closed_manifold(const ResultMesh& mesh) {
   return testing::topology_of(static_cast<Index>(mesh.position.size()), mesh.triangles)
       .closed_manifold();
@@ -92,9 +84,9 @@ std::vector<Verdict> verdicts_on(const Judgement& judgement, const Reconstructio
   const auto if_so = [&](bool holds, Verdict verdict) {
     if (holds) verdicts.push_back(verdict);
   };
-  const bool left_open =
+  const bool may_be_open =
       options.complete_matching.openings != CompleteMatchingOptions::Openings::close;
-  if_so(!judgement.closed() && !left_open, Verdict::not_closed);
+  if_so(!judgement.closed() && !may_be_open, Verdict::not_closed);
   if_so(!judgement.manifold, Verdict::not_manifold);
   if_so(expectation.invalid, Verdict::accepted_invalid);
   if_so(judgement.manifold && judgement.closed() && !judgement.outward, Verdict::not_outward);
@@ -102,11 +94,12 @@ std::vector<Verdict> verdicts_on(const Judgement& judgement, const Reconstructio
         Verdict::dishonest_report);
   const bool resolved = expectation.resolved;
   const std::vector<Index>& left_out = result.outliers.input_index;
-  if_so(resolved && count_beyond(left_out, expectation.strays) > 0, Verdict::sample_left_out);
-  if_so(resolved && options.outliers.exclude && count_beyond(expectation.far_strays, left_out) > 0,
+  if_so(resolved && count_difference(left_out, expectation.strays) > 0, Verdict::sample_left_out);
+  if_so(resolved && options.outliers.exclude &&
+            count_difference(expectation.far_strays, left_out) > 0,
         Verdict::stray_kept);
   for (const StageRecord& stage : result.stages)
-    if (!left_open && !stage.mesh.triangles.empty() && !is_closed_manifold(stage.mesh)) {
+    if (!may_be_open && !stage.mesh.triangles.empty() && !is_closed_manifold(stage.mesh)) {
       verdicts.push_back(Verdict::bad_stage_mesh);
       break;
     }
@@ -117,7 +110,8 @@ std::vector<Verdict> verdicts_on(const Judgement& judgement, const Reconstructio
     if_so(judgement.extra > 0, resolved && !expectation.open ? Verdict::extra_vertices
                                                              : Verdict::extra_vertices_unresolved);
   }
-  if_so(resolved && !expectation.open && !judgement.closed() && left_open, Verdict::false_opening);
+  if_so(resolved && !expectation.open && !judgement.closed() && may_be_open,
+        Verdict::false_opening);
   if (judgement.genus >= 0) {
     const Index most = options.initial_mesh.maximum_genus;
     if_so(most >= 0 && judgement.genus > most, Verdict::genus_beyond);
@@ -215,9 +209,9 @@ Attempt attempt(const std::vector<Vec3>& points, ReconstructionOptions options,
     made.verdicts.push_back(verdict);
   made.figures.add("samples", judgement.samples)
       .add("left_out", left_out.size())
-      .add("samples_left_out", count_beyond(left_out, expectation.strays))
+      .add("samples_left_out", count_difference(left_out, expectation.strays))
       .add("far_strays", expectation.far_strays.size())
-      .add("far_strays_kept", count_beyond(expectation.far_strays, left_out))
+      .add("far_strays_kept", count_difference(expectation.far_strays, left_out))
       .add("vertices", judgement.vertices)
       .add("border_edges", judgement.border_edges)
       .add("missing", judgement.missing)

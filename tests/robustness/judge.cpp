@@ -34,12 +34,6 @@ Index remove_repetitions(std::vector<Coordinates>& sorted_points) {
   return repeated;
 }
 
-Index count_difference(const std::vector<Coordinates>& a, const std::vector<Coordinates>& b) {
-  std::vector<Coordinates> difference;
-  std::set_difference(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(difference));
-  return static_cast<Index>(difference.size());
-}
-
 void compare_with_samples(const std::vector<Vec3>& points, const std::vector<Index>& left_out,
                           const ResultMesh& mesh, Judgement& judgement) {
   std::vector<Vec3> wanted;

@@ -1,6 +1,8 @@
 // What a reconstruction is, judged from points and triangles by nothing of the library.
 #pragma once
 
+#include <algorithm>
+#include <iterator>
 #include <vector>
 
 #include "common/types.h"
@@ -26,6 +28,14 @@ struct Judgement {
 
   bool closed() const { return border_edges == 0; }
 };
+
+/// How many of `a` are not in `b`. Pre: both ascending.
+template <class T>
+Index count_difference(const std::vector<T>& a, const std::vector<T>& b) {
+  std::vector<T> difference;
+  std::set_difference(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(difference));
+  return static_cast<Index>(difference.size());
+}
 
 /// `left_out` are points that the reconstruction says it left out, ascending.
 Judgement judge(const std::vector<Vec3>& points, const std::vector<Index>& left_out,

@@ -263,13 +263,14 @@ class OutlierSearch {
   bool is_beside(Index sample, Index other) const {
     const Vec3 d = cloud_.position[sample] - cloud_.position[other];
     const double near = widening_ * options_.reach_off_plane * cloud_.local_spacing[other];
-    if (d.squaredNorm() <= near * near || is_in_plane(d, other, options_.slope_of_others))
-      return true;
+    if (d.squaredNorm() <= near * near) return true;
     const double height = std::abs(d.dot(cloud_.normal[other].cast<double>()));
-    return height <= options_.deviations_of_others * cloud_.deviation[other];
+    return height <= std::max(options_.slope_of_others * d.norm(),
+                              options_.deviations_of_others * cloud_.deviation[other]);
   }
 
-  // Whether a sample juts out of the plane of its neighbours: of a flat, dense patch, that is.
+  // Whether a sample juts out of the plane of its neighbours: of a flat, dense patch, that is. A
+  // corner far from the rest juts out too, but of faces that lead to it.
   bool juts_out(Index sample) const {
     const Index* list = cloud_.neighbours_of(sample);
     const Vec3& origin = cloud_.position[sample];
@@ -280,24 +281,40 @@ class OutlierSearch {
       return false;
     Vec3 sum = Vec3::Zero();
     Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+    std::vector<Vec3> towards;
     std::vector<float> spacing;
+    int planes = 0;  // that the sample lies in
     for (int e = 1; e < cloud_.neighbour_count; ++e) {
       if (!kept_[list[e]]) continue;
       const Vec3 d = cloud_.position[list[e]] - origin;
+      planes += is_in_plane(d, list[e], options_.slope);
       sum += d;
       squares += d * d.transpose();
+      towards.push_back(d);
       spacing.push_back(cloud_.local_spacing[list[e]]);
     }
-    if (spacing.size() < kLeastNeighbours) return false;
+    if (spacing.size() < kLeastNeighbours || planes >= options_.planes_of_corner) return false;
     const double count = static_cast<double>(spacing.size());
     const Vec3 mean = sum / count;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(squares / count -
                                                                 mean * mean.transpose());
-    const double height = std::abs(mean.dot(solver.eigenvectors().col(0)));
+    const Eigen::Matrix3d& axes = solver.eigenvectors();
+    const double height = std::abs(mean.dot(axes.col(0)));
     const double deviation = std::sqrt(std::max(solver.eigenvalues()[0], 0.0));
     const auto middle = spacing.begin() + static_cast<std::ptrdiff_t>(spacing.size() / 2);
     std::nth_element(spacing.begin(), middle, spacing.end());
-    return height > options_.height * *middle && height > options_.height_deviations * deviation;
+    return height > options_.height * *middle && height > options_.height_deviations * deviation &&
+           widest_turn(towards, axes.col(1), axes.col(2)) < options_.widest_turn;
+  }
+  // The largest angle between two directions that follow each other around the normal of a plane.
+  static double widest_turn(const std::vector<Vec3>& directions, const Vec3& u, const Vec3& v) {
+    std::vector<double> angle;
+    for (const Vec3& d : directions) angle.push_back(std::atan2(d.dot(v), d.dot(u)));
+    std::sort(angle.begin(), angle.end());
+    double widest = angle.front() + 2.0 * kPi - angle.back();
+    for (std::size_t i = 1; i < angle.size(); ++i)
+      widest = std::max(widest, angle[i] - angle[i - 1]);
+    return widest;
   }
 
   std::vector<Index> collect() {

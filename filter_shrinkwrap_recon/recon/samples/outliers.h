@@ -17,7 +17,7 @@ struct OutlierOptions {
   double reach_beyond = 1.5;     ///< from there to one further
   // A sample that is no core sample, and farther from one than `reach_off_plane` times the spacing
   // there, must lie about in its plane, or no farther off it than the surroundings are rough.
-  double reach_off_plane = 2.0;
+  double reach_off_plane = 1.5;
   double slope_of_others = 0.5;       ///< height over the plane, x distance, at most
   double deviations_of_others = 3.0;  ///< the same, x PointCloud::deviation of the core sample
   Index smallest_set = 30;  ///< samples; a hundredth of all where that is less, at least 4
@@ -48,9 +48,12 @@ struct OutlierOptions {
   double reach_beyond_edge = 2.0;
   double slope_beyond_edge = 0.5;  ///< as `slope`
 
-  // A sample that is held is stray if it juts out of a patch that is flat without it.
-  double height = 2.5;             ///< over the plane of its neighbours, x their spacing, at least
-  double height_deviations = 7.0;  ///< x their own deviation from that plane, at least
+  // A sample that is held is stray if it juts out of a patch that is flat without it, and is no
+  // corner: that lies, by `slope`, in the planes of `planes_of_corner` of its neighbours.
+  double height = 1.0;             ///< over the plane of its neighbours, x their spacing, at least
+  double height_deviations = 8.0;  ///< x their own deviation from that plane, at least
+  int planes_of_corner = 3;
+  double widest_turn = 2.2;  ///< radians, from one neighbour to the next around it, less than that
 
   /// Once there is a mesh through the others, outliers are samples again that are nearer to it than
   /// so many times their distance from the nearest sample (outliers_on_surface.h).
