@@ -215,7 +215,7 @@ TEST_F(OutliersBesideASheet, PointsBetweenItAndAnotherAreStray) {
 }
 
 TEST_F(OutliersBesideASheet, PointsAboveItAreStray) {
-  for (const double height : {0.8, 1.5, 2.4, 4.0}) {
+  for (const double height : {0.8, 1.2, 1.5, 2.4, 4.0}) {
     SCOPED_TRACE(height);
     points.emplace_back(28.5, 28.5, height);
     EXPECT_EQ(is_stray(kSamples), height > 1.0);
@@ -223,8 +223,8 @@ TEST_F(OutliersBesideASheet, PointsAboveItAreStray) {
   }
 }
 
-// A rough sheet holds less of what is off the planes of its samples: 90 of the 96 points are found,
-// 75 if it holds them all, and 1 of its samples.
+// Points over a rough sheet are not held by it, though few of its deviations high: 90 of 96 are
+// found, 78 if all were held, and 1 of its samples.
 TEST_F(OutliersBesideASheet, PointsAboveItAreStrayWhereItIsRough) {
   Index found = 0, false_alarms = 0;
   for (unsigned seed = 1; seed <= 6; ++seed) {

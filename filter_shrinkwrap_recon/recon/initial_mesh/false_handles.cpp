@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "common/parallel.h"
+#include "geometry/widest_turn.h"
 #include "mesh/one_ring.h"
 #include "mesh/surface_loops.h"
 
@@ -210,12 +212,7 @@ class FalseHandles {
           directions.push_back(std::atan2(arm.dot(across), arm.dot(side)));
       }
     }
-    if (directions.empty()) return 2.0 * kPi;
-    std::sort(directions.begin(), directions.end());
-    double widest = directions.front() + 2.0 * kPi - directions.back();
-    for (std::size_t k = 1; k < directions.size(); ++k)
-      widest = std::max(widest, directions[k] - directions[k - 1]);
-    return widest;
+    return widest_turn(std::move(directions));
   }
 
   double mean_cosine(const Loop& loop) const {

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "common/sort_unique.h"
+#include "geometry/widest_turn.h"
 
 namespace shrinkwrap {
 namespace {
@@ -24,12 +26,7 @@ bool is_in_patch(const PointCloud& cloud, Index sample, int axis, double widest_
     if (p[axis] == centre[axis])
       directions.push_back(std::atan2(p[up] - centre[up], p[across] - centre[across]));
   }
-  if (directions.empty()) return false;
-  std::sort(directions.begin(), directions.end());
-  double gap = directions.front() + 2.0 * kPi - directions.back();
-  for (std::size_t k = 1; k < directions.size(); ++k)
-    gap = std::max(gap, directions[k] - directions[k - 1]);
-  return gap < widest_gap;
+  return widest_turn(std::move(directions)) < widest_gap;
 }
 
 // Of how many values, equally frequent, two would be the same as often (Simpson's index). Pre: not

@@ -3,9 +3,11 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/parallel.h"
 #include "common/shared_sets.h"
+#include "geometry/widest_turn.h"
 
 namespace shrinkwrap {
 namespace {
@@ -19,6 +21,8 @@ constexpr double kOwnRoughness =
 // A sample at height h over a patch has no neighbour within that, and lifts the deviation of its
 // neighbourhood of k to about h / sqrt(k).
 constexpr double kGapOfHeight = 0.8, kDeviationOfHeight = 0.15;
+// x spacing: the foot of a sample in the plane of its neighbours has those nearer to it on no side.
+constexpr double kBesideFoot = 0.5;
 constexpr int kRingsGoneOn = 2;
 constexpr double kUsualRadius = 2.2;  // spacings to the farthest of 16 neighbours
 // x median spacing: no sample reaches farther than if it were so isolated.
@@ -269,8 +273,8 @@ class OutlierSearch {
                               options_.deviations_of_others * cloud_.deviation[other]);
   }
 
-  // Whether a sample juts out of the plane of its neighbours: of a flat, dense patch, that is. A
-  // corner far from the rest juts out too, but of faces that lead to it.
+  // Whether a sample juts out of the plane of its neighbours: of a flat, dense patch around it. No
+  // corner far from the rest does, which lies in the planes of the faces that lead to it.
   bool juts_out(Index sample) const {
     const Index* list = cloud_.neighbours_of(sample);
     const Vec3& origin = cloud_.position[sample];
@@ -293,28 +297,26 @@ class OutlierSearch {
       towards.push_back(d);
       spacing.push_back(cloud_.local_spacing[list[e]]);
     }
-    if (spacing.size() < kLeastNeighbours || planes >= options_.planes_of_corner) return false;
     const double count = static_cast<double>(spacing.size());
+    if (count < kLeastNeighbours || planes >= options_.planes_of_corner * count) return false;
     const Vec3 mean = sum / count;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(squares / count -
                                                                 mean * mean.transpose());
     const Eigen::Matrix3d& axes = solver.eigenvectors();
     const double height = std::abs(mean.dot(axes.col(0)));
-    const double deviation = std::sqrt(std::max(solver.eigenvalues()[0], 0.0));
+    // A plane fits the points that it was fitted to better than others of the surface.
+    const double freedom = count - 3.0;
+    const double deviation = std::sqrt(std::max(solver.eigenvalues()[0], 0.0) * count / freedom);
     const auto middle = spacing.begin() + static_cast<std::ptrdiff_t>(spacing.size() / 2);
     std::nth_element(spacing.begin(), middle, spacing.end());
-    return height > options_.height * *middle && height > options_.height_deviations * deviation &&
-           widest_turn(towards, axes.col(1), axes.col(2)) < options_.widest_turn;
-  }
-  // The largest angle between two directions that follow each other around the normal of a plane.
-  static double widest_turn(const std::vector<Vec3>& directions, const Vec3& u, const Vec3& v) {
-    std::vector<double> angle;
-    for (const Vec3& d : directions) angle.push_back(std::atan2(d.dot(v), d.dot(u)));
-    std::sort(angle.begin(), angle.end());
-    double widest = angle.front() + 2.0 * kPi - angle.back();
-    for (std::size_t i = 1; i < angle.size(); ++i)
-      widest = std::max(widest, angle[i] - angle[i - 1]);
-    return widest;
+    if (height <= options_.height * *middle || height <= options_.height_deviations * deviation)
+      return false;
+    std::vector<double> directions;
+    for (const Vec3& d : towards) {
+      const double x = d.dot(axes.col(1)), y = d.dot(axes.col(2));
+      if (std::hypot(x, y) >= kBesideFoot * *middle) directions.push_back(std::atan2(y, x));
+    }
+    return widest_turn(std::move(directions)) < options_.widest_turn;
   }
 
   std::vector<Index> collect() {

@@ -48,12 +48,13 @@ struct OutlierOptions {
   double reach_beyond_edge = 2.0;
   double slope_beyond_edge = 0.5;  ///< as `slope`
 
-  // A sample that is held is stray if it juts out of a patch that is flat without it, and is no
-  // corner: that lies, by `slope`, in the planes of `planes_of_corner` of its neighbours.
-  double height = 1.0;             ///< over the plane of its neighbours, x their spacing, at least
-  double height_deviations = 8.0;  ///< x their own deviation from that plane, at least
-  int planes_of_corner = 3;
-  double widest_turn = 2.2;  ///< radians, from one neighbour to the next around it, less than that
+  // A sample that is held is stray if it juts out of a patch that is flat without it and surrounds
+  // it: where a plane ends, a wall may stand. It is no corner, which lies in the planes of some of
+  // its neighbours, by `slope`.
+  double height = 1.0;             ///< over the plane of its neighbours, x their spacing, more than
+  double height_deviations = 7.0;  ///< x their own deviation from that plane, more than
+  double planes_of_corner = 0.2;   ///< part of its neighbours, less than
+  double widest_turn = 2.2;        ///< radians from one neighbour to the next around it, less than
 
   /// Once there is a mesh through the others, outliers are samples again that are nearer to it than
   /// so many times their distance from the nearest sample (outliers_on_surface.h).
