@@ -44,6 +44,20 @@ TEST(Outliers, NoiseIsNotStray) {
   }
 }
 
+// A plane fits few points well by chance: 4 of 32,000 samples seem stray, 15 if that does not
+// count.
+TEST(Outliers, NoiseIsNotStrayAmongFewNeighbours) {
+  SampleDefects defects;
+  defects.noise = 0.5;
+  SampleOptions few;
+  few.neighbours = 10;
+  std::size_t found = 0;
+  for (unsigned seed = 1; seed <= 8; ++seed)
+    found += cleaned(sample_shape(ShapeKind::blob, 4000, seed, defects), {}, few)
+                 .report.input_index.size();
+  EXPECT_LE(found, 8u);
+}
+
 // Rows with much noise for how close their samples are: 23 of 72,000 seem stray, 42 if a sample is
 // not held by one in whose surroundings it is rough.
 TEST(Outliers, NoiseOfCloseRowsIsNotStray) {
@@ -274,28 +288,35 @@ TEST(Outliers, CornersFarFromTheOthersAreNotStray) {
   EXPECT_EQ(found_in(points), 0u);
 }
 
-// Nor are samples beside edges whose samples lie much closer, all in one plane.
+// Nor, but for 4 of 33,000, samples beside edges whose samples lie much closer, about in one plane:
+// 10 if the neighbours straight below count as beside a sample, 26 if none need be all around it.
 TEST(Outliers, SamplesBesideDenseEdgesAreNotStray) {
   constexpr int kSide = 20;
-  for (const double height : {2.0, 3.0})
-    for (unsigned seed = 1; seed <= 4; ++seed) {
-      Random random(seed);
-      std::vector<Vec3> points;
-      const auto add = [&](double along, int side, double z) {  // on a wall of a square box
-        const double across = side % 2 * kSide;
-        points.push_back(side < 2 ? Vec3(along, across, z) : Vec3(across, along, z));
-      };
-      for (int i = 0; i < kSide * kSide; ++i)
-        for (const double z : {0.0, height})
-          points.emplace_back(random.uniform(0.0, kSide), random.uniform(0.0, kSide), z);
-      for (int side = 0; side < 4; ++side) {
-        for (double along = 0.0; along < kSide; along += 0.15)
-          for (const double z : {0.0, height}) add(along, side, z);
-        for (int i = 0; i < kSide * height; ++i)
-          add(random.uniform(0.0, kSide), side, random.uniform(0.0, height));
+  std::size_t found = 0;
+  for (const double noise : {0.0, 0.1})
+    for (const double height : {2.0, 3.0})
+      for (unsigned seed = 1; seed <= 4; ++seed) {
+        Random random(seed);
+        std::vector<Vec3> points;
+        const auto add = [&](double along, int side, double z) {  // on a wall of a square box
+          const double across = side % 2 * kSide;
+          points.push_back(side < 2 ? Vec3(along, across, z) : Vec3(across, along, z));
+        };
+        for (int i = 0; i < kSide * kSide; ++i)
+          for (const double z : {0.0, height})
+            points.emplace_back(random.uniform(0.0, kSide), random.uniform(0.0, kSide), z);
+        for (int side = 0; side < 4; ++side) {
+          for (double along = 0.0; along < kSide; along += 0.15)
+            for (const double z : {0.0, height}) {
+              add(along, side, z);
+              points.back() += noise * random.in_cube();
+            }
+          for (int i = 0; i < kSide * height; ++i)
+            add(random.uniform(0.0, kSide), side, random.uniform(0.0, height));
+        }
+        found += found_in(points);
       }
-      EXPECT_EQ(found_in(points), 0u);
-    }
+  EXPECT_LE(found, 7u);
 }
 
 TEST(Outliers, SmallClustersAreStrayAndSmallBodiesAreNot) {

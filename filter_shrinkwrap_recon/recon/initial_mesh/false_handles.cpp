@@ -1,6 +1,5 @@
 #include "initial_mesh/false_handles.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
