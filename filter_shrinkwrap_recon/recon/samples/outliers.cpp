@@ -20,7 +20,7 @@ constexpr double kOwnRoughness =
     1.1;  // a single neighbourhood may be a little rougher than the mean
 // A sample at height h over a patch has no neighbour within that, and lifts the deviation of its
 // neighbourhood of k to about h / sqrt(k).
-constexpr double kGapOfHeight = 0.8, kDeviationOfHeight = 0.15;
+constexpr double kGapOfHeight = 0.8, kDeviationOfHeight = 0.6;
 // x spacing: the foot of a sample in the plane of its neighbours has those nearer to it on no side.
 constexpr double kBesideFoot = 0.5;
 constexpr int kRingsGoneOn = 2;
@@ -273,6 +273,21 @@ class OutlierSearch {
                               options_.deviations_of_others * cloud_.deviation[other]);
   }
 
+  // Whether a sample lies in the planes of some of its neighbours. Those farther away than it is
+  // high over them would all hold it, so only as many are asked as are usual.
+  bool is_corner(Index sample) const {
+    const Index* list = cloud_.neighbours_of(sample);
+    const int asked = std::min<int>(cloud_.neighbour_count, SampleOptions::kUsualNeighbours);
+    int planes = 0, kept = 0;
+    for (int e = 1; e < asked; ++e) {
+      if (!kept_[list[e]]) continue;
+      ++kept;
+      planes +=
+          is_in_plane(cloud_.position[list[e]] - cloud_.position[sample], list[e], options_.slope);
+    }
+    return planes >= options_.planes_of_corner * kept;
+  }
+
   // Whether a sample juts out of the plane of its neighbours: of a flat, dense patch around it. No
   // corner far from the rest does, which lies in the planes of the faces that lead to it.
   bool juts_out(Index sample) const {
@@ -281,24 +296,24 @@ class OutlierSearch {
     const double gap = (cloud_.position[list[1]] - origin).norm();
     const double least_height = options_.height * cloud_.local_spacing[list[1]];
     if (gap < kGapOfHeight * least_height ||
-        cloud_.deviation[sample] < kDeviationOfHeight * least_height)
+        cloud_.deviation[sample] * std::sqrt(cloud_.neighbour_count) <
+            kDeviationOfHeight * least_height ||
+        is_corner(sample))
       return false;
     Vec3 sum = Vec3::Zero();
     Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
     std::vector<Vec3> towards;
     std::vector<float> spacing;
-    int planes = 0;  // that the sample lies in
     for (int e = 1; e < cloud_.neighbour_count; ++e) {
       if (!kept_[list[e]]) continue;
       const Vec3 d = cloud_.position[list[e]] - origin;
-      planes += is_in_plane(d, list[e], options_.slope);
       sum += d;
       squares += d * d.transpose();
       towards.push_back(d);
       spacing.push_back(cloud_.local_spacing[list[e]]);
     }
     const double count = static_cast<double>(spacing.size());
-    if (count < kLeastNeighbours || planes >= options_.planes_of_corner * count) return false;
+    if (count < kLeastNeighbours) return false;
     const Vec3 mean = sum / count;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(squares / count -
                                                                 mean * mean.transpose());
