@@ -44,8 +44,7 @@ TEST(Outliers, NoiseIsNotStray) {
   }
 }
 
-// A plane fits few points well by chance: 4 of 32,000 samples seem stray, 15 if that does not
-// count.
+// A plane fits few points well by chance: 4 of 32,000 samples seem stray, 15 if that is ignored.
 TEST(Outliers, NoiseIsNotStrayAmongFewNeighbours) {
   SampleDefects defects;
   defects.noise = 0.5;

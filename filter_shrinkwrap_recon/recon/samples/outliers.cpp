@@ -273,8 +273,8 @@ class OutlierSearch {
                               options_.deviations_of_others * cloud_.deviation[other]);
   }
 
-  // Whether a sample lies in the planes of some of its neighbours. Those farther away than it is
-  // high over them would all hold it, so only as many are asked as are usual.
+  // Whether a sample lies in the planes of some of its neighbours. By the slope it would, however
+  // high over them, if they are far enough away, so only as many are asked as are usual.
   bool is_corner(Index sample) const {
     const Index* list = cloud_.neighbours_of(sample);
     const int asked = std::min<int>(cloud_.neighbour_count, SampleOptions::kUsualNeighbours);
