@@ -44,20 +44,7 @@ TEST(Outliers, NoiseIsNotStray) {
   }
 }
 
-// A plane fits few points well by chance: 4 of 32,000 samples seem stray, 15 if that is ignored.
-TEST(Outliers, NoiseIsNotStrayAmongFewNeighbours) {
-  SampleDefects defects;
-  defects.noise = 0.5;
-  SampleOptions few;
-  few.neighbours = 10;
-  std::size_t found = 0;
-  for (unsigned seed = 1; seed <= 8; ++seed)
-    found += cleaned(sample_shape(ShapeKind::blob, 4000, seed, defects), {}, few)
-                 .report.input_index.size();
-  EXPECT_LE(found, 8u);
-}
-
-// Rows with much noise for how close their samples are: 23 of 72,000 seem stray, 42 if a sample is
+// Rows with much noise for how close their samples are: 22 of 72,000 seem stray, 49 if a sample is
 // not held by one in whose surroundings it is rough.
 TEST(Outliers, NoiseOfCloseRowsIsNotStray) {
   constexpr int kRows = 60, kInRow = 400;
@@ -197,10 +184,8 @@ class OutliersBesideASheet : public ::testing::Test {
     for (Index i = 0; i < kSamples; ++i)
       points.emplace_back(Vec3(i % 60, i / 60, 0.0) + 0.2 * random.in_cube());
   }
-  bool is_stray(Index i, int neighbours = SampleOptions::kUsualNeighbours) const {
-    SampleOptions options;
-    options.neighbours = neighbours;
-    const std::vector<Index> found = cleaned(points, {}, options).report.input_index;
+  bool is_stray(Index i) const {
+    const std::vector<Index> found = cleaned(points).report.input_index;
     return std::binary_search(found.begin(), found.end(), i);
   }
 
@@ -230,17 +215,16 @@ TEST_F(OutliersBesideASheet, PointsBetweenItAndAnotherAreStray) {
 }
 
 TEST_F(OutliersBesideASheet, PointsAboveItAreStray) {
-  for (const double height : {0.8, 1.2, 1.5, 2.4, 4.0})
-    for (const int neighbours : {16, 128}) {
-      SCOPED_TRACE(std::to_string(height) + ", " + std::to_string(neighbours));
-      points.emplace_back(28.5, 28.5, height);
-      EXPECT_EQ(is_stray(kSamples, neighbours), height > 1.0);
-      points.pop_back();
-    }
+  for (const double height : {0.8, 1.2, 1.5, 2.4, 4.0}) {
+    SCOPED_TRACE(height);
+    points.emplace_back(28.5, 28.5, height);
+    EXPECT_EQ(is_stray(kSamples), height > 1.0);
+    points.pop_back();
+  }
 }
 
 // Points over a rough sheet are not held by it, eight of its deviations high: 90 of 96 are found,
-// 78 if all were held. One sample of the sheet is taken for stray.
+// 75 if all were held. One sample of the sheet is taken for stray.
 TEST_F(OutliersBesideASheet, PointsAboveItAreStrayWhereItIsRough) {
   Index found = 0, false_alarms = 0;
   for (unsigned seed = 1; seed <= 6; ++seed) {
@@ -253,6 +237,20 @@ TEST_F(OutliersBesideASheet, PointsAboveItAreStrayWhereItIsRough) {
   }
   EXPECT_GE(found, 84);
   EXPECT_LE(false_alarms, 4);
+}
+
+// A few lift and tilt the plane that fits their neighbours best. (Four at one height are a patch.)
+TEST_F(OutliersBesideASheet, PointsBesideEachOtherAboveItAreStray) {
+  for (Vec3& p : points) p.z() *= 0.5;
+  for (const auto& [count, rise] : {std::pair(2, 0.0), {3, 0.0}, {4, 0.4}, {5, 0.4}}) {
+    SCOPED_TRACE(count);
+    for (int i = 0; i < count; ++i)
+      points.emplace_back(28.5 + 1.2 * (i % 2), 28.5 + 1.2 * (i / 2), 2.2 + rise * i);
+    const std::vector<Index> found = cleaned(points).report.input_index;
+    ASSERT_EQ(found.size(), static_cast<std::size_t>(count));
+    EXPECT_EQ(found.front(), kSamples);
+    points.resize(kSamples);
+  }
 }
 
 TEST_F(OutliersBesideASheet, WiderSamplesBeyondItsEdgeAreNotStray) {
@@ -290,8 +288,8 @@ TEST(Outliers, CornersFarFromTheOthersAreNotStray) {
   EXPECT_EQ(found_in(points), 0u);
 }
 
-// Nor, but for 4 of 33,000, samples beside edges whose samples lie much closer, about in one plane:
-// 10 if the neighbours straight below count as beside a sample, 26 if none need be all around it.
+// Nor, but for 5 of 33,000, samples beside edges whose samples lie much closer, about in one plane:
+// 15 if the neighbours straight below count as beside a sample, 55 if none need be all around it.
 TEST(Outliers, SamplesBesideDenseEdgesAreNotStray) {
   constexpr int kSide = 20;
   std::size_t found = 0;
@@ -319,6 +317,60 @@ TEST(Outliers, SamplesBesideDenseEdgesAreNotStray) {
         found += found_in(points);
       }
   EXPECT_LE(found, 7u);
+}
+
+// A block with nine posts on it, whose rims above and below have samples `step` apart; elsewhere
+// there is about one on each unit of area.
+std::vector<Vec3> block_with_posts(double radius, double height, double step, unsigned seed) {
+  constexpr double kSide = 24.0, kThick = 6.0, kTurn = 6.283185307179586;
+  Random random(seed);
+  std::vector<Vec3> points, posts;
+  for (int i = 0; i < 9; ++i) posts.emplace_back(4.0 + 8.0 * (i % 3), 4.0 + 8.0 * (i / 3), 0.0);
+  const auto height_at = [&](const Vec3& p) {
+    const auto is_on = [&](const Vec3& post) { return (p - post).norm() < radius; };
+    return std::any_of(posts.begin(), posts.end(), is_on) ? height : 0.0;
+  };
+  for (int i = 0; i < kSide * kSide; ++i)
+    for (const double below : {0.0, kThick}) {
+      const Vec3 p(random.uniform(0.0, kSide), random.uniform(0.0, kSide), 0.0);
+      points.emplace_back(p.x(), p.y(), below > 0.0 ? -below : height_at(p));
+    }
+  for (int i = 0; i < 4 * kSide * kThick; ++i) {
+    const double along = random.uniform(0.0, kSide), across = i % 2 * kSide;
+    const double z = -random.uniform(0.0, kThick);
+    points.push_back(i % 4 < 2 ? Vec3(along, across, z) : Vec3(across, along, z));
+  }
+  for (const Vec3& post : posts) {
+    const auto add = [&](double angle, double z) {
+      points.push_back(post + Vec3(radius * std::cos(angle), radius * std::sin(angle), z) +
+                       0.05 * random.in_cube());
+    };
+    for (double angle = 0.0; angle < kTurn; angle += step / radius)
+      for (const double z : {0.0, height}) add(angle, z);
+    for (int i = 0; i < kTurn * radius * height; ++i)
+      add(random.uniform(0.0, kTurn), random.uniform(0.0, height));
+  }
+  return points;
+}
+
+std::size_t found_on_posts(double radius, double height, double step) {
+  std::size_t found = 0;
+  for (unsigned seed = 1; seed <= 8; ++seed)
+    found += found_in(block_with_posts(radius, height, step, seed));
+  return found;
+}
+
+// A rim is flat, and all around what is on the other side of a post: of some 20,000 samples 8 to 24
+// seem stray if a robust plane may be as near as another. Where rims are very dense, 8 and 7 do, 13
+// and 14 if dense neighbours may have a robust plane.
+TEST(Outliers, SamplesBetweenDenseRimsAreNotStray) {
+  EXPECT_EQ(found_on_posts(0.8, 2.0, 0.4), 0u);
+  EXPECT_EQ(found_on_posts(0.8, 2.5, 0.4), 0u);
+  EXPECT_EQ(found_on_posts(1.0, 2.5, 0.4), 0u);
+  EXPECT_LE(found_on_posts(1.15, 3.2, 0.25), 3u);
+  EXPECT_LE(found_on_posts(1.15, 3.6, 0.25), 3u);
+  EXPECT_LE(found_on_posts(0.6, 2.5, 0.15), 10u);
+  EXPECT_LE(found_on_posts(1.3, 0.6, 0.15), 10u);
 }
 
 TEST(Outliers, SmallClustersAreStrayAndSmallBodiesAreNot) {
@@ -422,17 +474,52 @@ TEST(Outliers, ReconstructionPassesThroughTheOthers) {
   EXPECT_EQ(with_all.report.samples_matched, 6030);
 }
 
-TEST(Outliers, WhatIsLeftHasAsManyNeighbours) {
-  std::vector<Vec3> points = sample_shape(ShapeKind::sphere, 3000, 20);
-  Random random(21);
-  add_stray_points(points, 20, random);
-  Progress silent;
-  SampleOptions more;
-  more.neighbours = 32;
-  PointCloud cloud = prepare_samples(points, more, silent);
-  EXPECT_FALSE(exclude_outliers(cloud, points, {}, silent).input_index.empty());
-  EXPECT_EQ(cloud.neighbour_count, 32);
-  EXPECT_EQ(cloud.neighbour.size(), 32 * cloud.position.size());
+// The same are found whatever number of neighbours is asked for; what is left has that number.
+TEST(Outliers, TheNumberOfNeighboursDoesNotMatter) {
+  for (const Index strays : {0, 150}) {
+    std::vector<Vec3> points = sample_shape(ShapeKind::sphere, 3000, 20);
+    Random random(21);
+    add_stray_points(points, strays, random);
+    const std::vector<Index> usual = cleaned(points).report.input_index;
+    EXPECT_GE(usual.size(), 0.8 * strays);
+    for (const int neighbours : {6, 8, 32, 64}) {
+      SCOPED_TRACE(neighbours);
+      SampleOptions options;
+      options.neighbours = neighbours;
+      const Cleaned result = cleaned(points, {}, options);
+      EXPECT_EQ(result.report.input_index, usual);
+
+      Progress silent;
+      const PointCloud rest =
+          prepare_samples(points_at(points, result.cloud.input_index), options, silent);
+      EXPECT_EQ(result.cloud.neighbour_count, neighbours);
+      EXPECT_EQ(result.cloud.neighbour, rest.neighbour);
+      EXPECT_EQ(result.cloud.spacing, rest.spacing);
+      EXPECT_EQ(result.cloud.normal, rest.normal);
+    }
+  }
+}
+
+// Scan lines have as many neighbours as it takes to see across.
+TEST(Outliers, PointsAboveScanLinesAreStray) {
+  for (const double gap : {2.0, 3.0, 8.0}) {
+    std::vector<Vec3> lines;
+    for (int x = 0; x < 30; ++x)
+      for (int y = 0; y < 200; ++y)
+        for (const double z : {0.0, -60.0}) lines.emplace_back(gap * x, y, z);
+    for (const int neighbours : {6, 16, 64})
+      for (const double height : {3.0, 6.0}) {
+        SCOPED_TRACE(std::to_string(neighbours) + ", " + std::to_string(gap));
+        std::vector<Vec3> points = lines;
+        for (int i = 0; i < 9; ++i)
+          points.emplace_back(gap * (6.6 + 8.0 * (i % 3)), 50.0 + 50.5 * (i / 3), height);
+        SampleOptions options;
+        options.neighbours = neighbours;
+        const std::vector<Index> found = cleaned(points, {}, options).report.input_index;
+        ASSERT_EQ(found.size(), 9u);
+        EXPECT_EQ(found.front(), static_cast<Index>(lines.size()));
+      }
+  }
 }
 
 TEST(Outliers, CanBeCancelled) {

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "common/parallel.h"
@@ -23,6 +24,7 @@ constexpr double kOwnRoughness =
 constexpr double kGapOfHeight = 0.8, kDeviationOfHeight = 0.6;
 // x spacing: the foot of a sample in the plane of its neighbours has those nearer to it on no side.
 constexpr double kBesideFoot = 0.5;
+constexpr double kInPlane = 0.5;  // x height of the sample: neighbours over their plane, at most
 constexpr int kRingsGoneOn = 2;
 constexpr double kUsualRadius = 2.2;  // spacings to the farthest of 16 neighbours
 // x median spacing: no sample reaches farther than if it were so isolated.
@@ -274,10 +276,10 @@ class OutlierSearch {
   }
 
   // Whether a sample lies in the planes of some of its neighbours. By the slope it would, however
-  // high over them, if they are far enough away, so only as many are asked as are usual.
+  // high over them, if they are far enough away: so only as many are asked as are usual.
   bool is_corner(Index sample) const {
     const Index* list = cloud_.neighbours_of(sample);
-    const int asked = std::min<int>(cloud_.neighbour_count, SampleOptions::kUsualNeighbours);
+    const int asked = std::min(cloud_.neighbour_count, SampleOptions::kUsualNeighbours);
     int planes = 0, kept = 0;
     for (int e = 1; e < asked; ++e) {
       if (!kept_[list[e]]) continue;
@@ -292,44 +294,88 @@ class OutlierSearch {
   // corner far from the rest does, which lies in the planes of the faces that lead to it.
   bool juts_out(Index sample) const {
     const Index* list = cloud_.neighbours_of(sample);
-    const Vec3& origin = cloud_.position[sample];
-    const double gap = (cloud_.position[list[1]] - origin).norm();
+    const double gap = (cloud_.position[list[1]] - cloud_.position[sample]).norm();
     const double least_height = options_.height * cloud_.local_spacing[list[1]];
     if (gap < kGapOfHeight * least_height ||
         cloud_.deviation[sample] * std::sqrt(cloud_.neighbour_count) <
             kDeviationOfHeight * least_height ||
         is_corner(sample))
       return false;
+    std::vector<Index> near;
+    for (int e = 1; e < cloud_.neighbour_count; ++e)
+      if (kept_[list[e]]) near.push_back(list[e]);
+    if (2 * static_cast<int>(near.size()) < cloud_.neighbour_count) return false;
+    const double spacing = median_spacing(near);
+    const auto stands_over = [&](const Plane& plane, double spacings, double deviations) {
+      const double height = std::abs((cloud_.position[sample] - plane.point).dot(plane.normal));
+      return height > spacings * spacing && height > deviations * plane.deviation &&
+             is_surrounded(sample, plane, height, near, kBesideFoot * spacing);
+    };
+    return stands_over(fitted_plane(near), options_.height, options_.height_deviations) ||
+           (spacing >= options_.least_robust_spacing * cloud_.spacing &&
+            stands_over(robust_plane(near), options_.robust_height, options_.robust_deviations));
+  }
+
+  struct Plane {
+    Vec3 point, normal;
+    double deviation;  // how far samples are from it: root mean square, or a quantile
+  };
+  // The plane of least squares.
+  Plane fitted_plane(const std::vector<Index>& samples) const {
+    const Vec3& origin = cloud_.position[samples.front()];
     Vec3 sum = Vec3::Zero();
     Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-    std::vector<Vec3> towards;
-    std::vector<float> spacing;
-    for (int e = 1; e < cloud_.neighbour_count; ++e) {
-      if (!kept_[list[e]]) continue;
-      const Vec3 d = cloud_.position[list[e]] - origin;
+    for (const Index i : samples) {
+      const Vec3 d = cloud_.position[i] - origin;
       sum += d;
       squares += d * d.transpose();
-      towards.push_back(d);
-      spacing.push_back(cloud_.local_spacing[list[e]]);
     }
-    const double count = static_cast<double>(spacing.size());
-    if (count < kLeastNeighbours) return false;
+    const double count = static_cast<double>(samples.size());
     const Vec3 mean = sum / count;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(squares / count -
                                                                 mean * mean.transpose());
-    const Eigen::Matrix3d& axes = solver.eigenvectors();
-    const double height = std::abs(mean.dot(axes.col(0)));
-    // A plane fits the points that it was fitted to better than others of the surface.
-    const double freedom = count - 3.0;
-    const double deviation = std::sqrt(std::max(solver.eigenvalues()[0], 0.0) * count / freedom);
+    return {origin + mean, solver.eigenvectors().col(0),
+            std::sqrt(std::max(solver.eigenvalues()[0], 0.0))};
+  }
+  // Of the samples' own planes the one of least quantile of squares (Rousseeuw and Leroy 1987):
+  // stray ones among them tilt it less.
+  Plane robust_plane(const std::vector<Index>& samples) const {
+    Plane best{Vec3::Zero(), Vec3::Zero(), std::numeric_limits<double>::infinity()};
+    std::vector<double> height(samples.size());
+    const auto quantile =
+        height.begin() +
+        static_cast<std::ptrdiff_t>(options_.quantile * static_cast<double>(samples.size() - 1));
+    for (const Index i : samples) {
+      const Plane plane{cloud_.position[i], cloud_.normal[i].cast<double>(), 0.0};
+      std::transform(samples.begin(), samples.end(), height.begin(), [&](Index j) {
+        return std::abs((cloud_.position[j] - plane.point).dot(plane.normal));
+      });
+      std::nth_element(height.begin(), quantile, height.end());
+      if (*quantile < best.deviation) best = {plane.point, plane.normal, *quantile};
+    }
+    return best;
+  }
+
+  double median_spacing(const std::vector<Index>& samples) const {
+    std::vector<float> spacing;
+    for (const Index i : samples) spacing.push_back(cloud_.local_spacing[i]);
     const auto middle = spacing.begin() + static_cast<std::ptrdiff_t>(spacing.size() / 2);
     std::nth_element(spacing.begin(), middle, spacing.end());
-    if (height <= options_.height * *middle || height <= options_.height_deviations * deviation)
-      return false;
+    return *middle;
+  }
+
+  // Whether those neighbours of a sample at some height over a plane that lie about in it are all
+  // around, farther than `beside` from its foot.
+  bool is_surrounded(Index sample, const Plane& plane, double height,
+                     const std::vector<Index>& near, double beside) const {
+    const Vec3 across = plane.normal.unitOrthogonal(), along = plane.normal.cross(across);
     std::vector<double> directions;
-    for (const Vec3& d : towards) {
-      const double x = d.dot(axes.col(1)), y = d.dot(axes.col(2));
-      if (std::hypot(x, y) >= kBesideFoot * *middle) directions.push_back(std::atan2(y, x));
+    for (const Index i : near) {
+      const Vec3 d = cloud_.position[i] - cloud_.position[sample];
+      const double x = d.dot(across), y = d.dot(along);
+      const double off_plane = (cloud_.position[i] - plane.point).dot(plane.normal);
+      if (std::abs(off_plane) <= kInPlane * height && std::hypot(x, y) >= beside)
+        directions.push_back(std::atan2(y, x));
     }
     return widest_turn(std::move(directions)) < options_.widest_turn;
   }
@@ -442,7 +488,14 @@ OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& point
                                const OutlierOptions& options, Progress& progress,
                                const FarStrays& far_strays) {
   progress.begin(Stage::outliers);
+  // The limits are of as many neighbours as are usual, whatever number was asked for. Samples on
+  // lines may need more.
+  const int asked = cloud.neighbour_count;
+  const int searched =
+      std::max(cloud.conditioning.on_lines ? asked : 0, SampleOptions::kUsualNeighbours);
+  if (searched != asked) measure_neighbourhoods(cloud, searched, progress);
   OutlierReport report = exclude_from(cloud, points, options, progress);
+  if (searched != asked) measure_neighbourhoods(cloud, asked, progress);
   report.suspected += static_cast<Index>(far_strays.distinct.size());
   std::vector<Index>& all = report.input_index;
   all.insert(all.end(), far_strays.distinct.begin(), far_strays.distinct.end());

@@ -52,9 +52,16 @@ struct OutlierOptions {
   // it: where a plane ends, a wall may stand. It is no corner, which lies in the planes of some of
   // its neighbours, by `slope`.
   double height = 1.0;             ///< over the plane of its neighbours, x their spacing, more than
-  double height_deviations = 7.0;  ///< x their own deviation from that plane, more than
+  double height_deviations = 8.0;  ///< x their own deviation from that plane, more than
   double planes_of_corner = 0.2;   ///< part of its neighbours, less than
   double widest_turn = 2.2;        ///< radians from one neighbour to the next around it, less than
+  // Stray points among them lift and tilt that plane. So the same is asked, more carefully, of the
+  // one of their own planes that is best by a quantile of their heights over it; not where they are
+  // closer than most, as along edges, whose samples lie in planes that no face has.
+  double quantile = 0.6;
+  double robust_height = 2.0;         ///< as `height`
+  double robust_deviations = 20.0;    ///< x the quantile, more than
+  double least_robust_spacing = 0.6;  ///< of its neighbours, x median spacing
 
   /// Once there is a mesh through the others, outliers are samples again that are nearer to it than
   /// so many times their distance from the nearest sample (outliers_on_surface.h).
@@ -79,7 +86,8 @@ struct OutlierReport {
   Index on_surface = 0;  ///< that were left out, and are samples again: not among `input_index`
 };
 
-/// The stray samples of a cloud, ascending, found in one round. O(N) expected, parallel,
+/// The stray samples of a cloud, ascending, found in one round. Pre: the cloud has as many
+/// neighbours as are usual, or more. O(N) expected, parallel,
 /// the same for any number of threads.
 std::vector<Index> find_outliers(const PointCloud& cloud, const OutlierOptions& options,
                                  Progress& progress);
@@ -87,7 +95,8 @@ std::vector<Index> find_outliers(const PointCloud& cloud, const OutlierOptions& 
 /// Leaves stray samples out of a cloud: it becomes what it would have been had the
 /// points never been there, but for `conditioning` and `input_index`, which still speak of all
 /// points. So the rest of the points alone gives the same cloud. Pre: `cloud` was prepared from
-/// `points`. Where no cloud would be left that has a surface (fewer than 4
+/// `points`, with any number of neighbours: the search has the usual number, or, where samples lie
+/// on lines, the greater of both. Where no cloud would be left that has a surface (fewer than 4
 /// samples, all in one plane), nothing is left out but the `far_strays`, which were before: the
 /// report names them too.
 OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& points,
