@@ -14,17 +14,17 @@ namespace shrinkwrap {
 namespace {
 
 constexpr Index kGrain = 1 << 12;
+constexpr int kUsual = SampleOptions::kUsualNeighbours;
 constexpr int kJoinedNeighbours = 6;  // of a core sample, before the small sets are looked at again
-constexpr int kLeastNeighbours = 4;
-constexpr Index kLeastSamples = 64;  // fewer tell nothing of what is dense
+constexpr Index kLeastSamples = 64;   // fewer tell nothing of what is dense
 constexpr double kOwnRoughness =
     1.1;  // a single neighbourhood may be a little rougher than the mean
-// A sample at height h over a patch has no neighbour within that, and lifts the deviation of its
-// neighbourhood of k to about h / sqrt(k).
+// A sample at height h over a patch has no neighbour within that, but for other strays, and lifts
+// the deviation of its neighbourhood of k to about h / sqrt(k).
 constexpr double kGapOfHeight = 0.8, kDeviationOfHeight = 0.6;
 // x spacing: the foot of a sample in the plane of its neighbours has those nearer to it on no side.
 constexpr double kBesideFoot = 0.5;
-constexpr double kInPlane = 0.5;  // x height of the sample: neighbours over their plane, at most
+constexpr double kHeightInPlane = 0.5;  // x that of the sample: neighbours in the plane, at most
 constexpr int kRingsGoneOn = 2;
 constexpr double kUsualRadius = 2.2;  // spacings to the farthest of 16 neighbours
 // x median spacing: no sample reaches farther than if it were so isolated.
@@ -86,11 +86,10 @@ class OutlierSearch {
   }
 
   void join_core() {
-    const int joined = std::min(kJoinedNeighbours, cloud_.neighbour_count - 1);
     parallel_for_each(cloud_.size(), kGrain, progress_, [&](Index i) {
       if (!core_[i]) return;
       const Index* list = cloud_.neighbours_of(i);
-      for (int e = 1; e <= joined; ++e)
+      for (int e = 1; e <= kJoinedNeighbours; ++e)
         if (core_[list[e]] && are_within(options_.reach, i, list[e])) sets_.unite(i, list[e]);
     });
     count_sets();
@@ -144,7 +143,7 @@ class OutlierSearch {
     std::vector<Index> sample;
     std::vector<Set> sets;
     for (Index i = 0; i < cloud_.size(); ++i) {
-      if (kept_[i] || !core_[i] || size_[sets_.find(i)] < least_) continue;
+      if (kept_[i] || !core_[i] || size_[sets_.find(i)] < kUsual) continue;
       Index& of_root = place[sets_.find(i)];
       if (of_root == kNone) {
         of_root = static_cast<Index>(sets.size());
@@ -279,9 +278,8 @@ class OutlierSearch {
   // high over them, if they are far enough away: so only as many are asked as are usual.
   bool is_corner(Index sample) const {
     const Index* list = cloud_.neighbours_of(sample);
-    const int asked = std::min(cloud_.neighbour_count, SampleOptions::kUsualNeighbours);
     int planes = 0, kept = 0;
-    for (int e = 1; e < asked; ++e) {
+    for (int e = 1; e < kUsual; ++e) {
       if (!kept_[list[e]]) continue;
       ++kept;
       planes +=
@@ -374,7 +372,7 @@ class OutlierSearch {
       const Vec3 d = cloud_.position[i] - cloud_.position[sample];
       const double x = d.dot(across), y = d.dot(along);
       const double off_plane = (cloud_.position[i] - plane.point).dot(plane.normal);
-      if (std::abs(off_plane) <= kInPlane * height && std::hypot(x, y) >= beside)
+      if (std::abs(off_plane) <= kHeightInPlane * height && std::hypot(x, y) >= beside)
         directions.push_back(std::atan2(y, x));
     }
     return widest_turn(std::move(directions)) < options_.widest_turn;
@@ -398,8 +396,6 @@ class OutlierSearch {
   const double widening_ =
       cloud_.conditioning.on_lines ? std::max(1.0, spacings_per_radius_ / kUsualRadius) : 1.0;
   const Index smallest_ = std::min(options_.smallest_set, std::max<Index>(cloud_.size() / 100, 4));
-  // Samples of a flat set: as many as a usual neighbourhood has.
-  const Index least_ = std::min(cloud_.neighbour_count, SampleOptions::kUsualNeighbours);
   std::vector<char> core_, kept_;
   SharedSets sets_{cloud_.size(), progress_};
   std::vector<Index> size_;  // of the set, at its root
@@ -409,7 +405,7 @@ class OutlierSearch {
 
 std::vector<Index> find_outliers(const PointCloud& cloud, const OutlierOptions& options,
                                  Progress& progress) {
-  if (cloud.size() < kLeastSamples || cloud.neighbour_count <= kLeastNeighbours) return {};
+  if (cloud.size() < kLeastSamples) return {};
   return OutlierSearch(cloud, options, progress).find();
 }
 
@@ -490,12 +486,14 @@ OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& point
   progress.begin(Stage::outliers);
   // The limits are of as many neighbours as are usual, whatever number was asked for. Samples on
   // lines may need more.
-  const int asked = cloud.neighbour_count;
-  const int searched =
-      std::max(cloud.conditioning.on_lines ? asked : 0, SampleOptions::kUsualNeighbours);
-  if (searched != asked) measure_neighbourhoods(cloud, searched, progress);
-  OutlierReport report = exclude_from(cloud, points, options, progress);
-  if (searched != asked) measure_neighbourhoods(cloud, asked, progress);
+  OutlierReport report;
+  if (cloud.size() >= kLeastSamples) {
+    const int before = cloud.neighbour_count;
+    const int searched = std::max(cloud.conditioning.on_lines ? before : 0, kUsual);
+    if (searched != before) measure_neighbourhoods(cloud, searched, progress);
+    report = exclude_from(cloud, points, options, progress);
+    if (searched != before) measure_neighbourhoods(cloud, before, progress);
+  }
   report.suspected += static_cast<Index>(far_strays.distinct.size());
   std::vector<Index>& all = report.input_index;
   all.insert(all.end(), far_strays.distinct.begin(), far_strays.distinct.end());

@@ -22,7 +22,7 @@ struct OutlierOptions {
   double deviations_of_others = 3.0;  ///< the same, x PointCloud::deviation of the core sample
   Index smallest_set = 30;  ///< samples; a hundredth of all where that is less, at least 4
   // A smaller set, as the last lines of a scan are, stays if it has the samples of a neighbourhood
-  // (SampleOptions::kUsualNeighbours, or as many as there are), is as flat as a surface
+  // (SampleOptions::kUsualNeighbours), is as flat as a surface
   // (`roughness`), as dense as the rest, and near for its width.
   double spacing_of_flat_sets = 3.0;  ///< x median spacing, on average at most
   double reach_of_flat_sets = 1.5;    ///< x width of the set: from samples that stay
@@ -86,8 +86,8 @@ struct OutlierReport {
   Index on_surface = 0;  ///< that were left out, and are samples again: not among `input_index`
 };
 
-/// The stray samples of a cloud, ascending, found in one round. Pre: the cloud has as many
-/// neighbours as are usual, or more. O(N) expected, parallel,
+/// The stray samples of a cloud, ascending, found in one round. None of fewer than 64. Pre:
+/// the cloud has as many neighbours as are usual, or more. O(N) expected, parallel,
 /// the same for any number of threads.
 std::vector<Index> find_outliers(const PointCloud& cloud, const OutlierOptions& options,
                                  Progress& progress);
@@ -96,7 +96,8 @@ std::vector<Index> find_outliers(const PointCloud& cloud, const OutlierOptions& 
 /// points never been there, but for `conditioning` and `input_index`, which still speak of all
 /// points. So the rest of the points alone gives the same cloud. Pre: `cloud` was prepared from
 /// `points`, with any number of neighbours: the search has the usual number, or, where samples lie
-/// on lines, the greater of both. Where no cloud would be left that has a surface (fewer than 4
+/// on lines, the greater of both. A cloud is not to be used if it was being searched when the run
+/// was cancelled. Where no cloud would be left that has a surface (fewer than 4
 /// samples, all in one plane), nothing is left out but the `far_strays`, which were before: the
 /// report names them too.
 OutlierReport exclude_outliers(PointCloud& cloud, const std::vector<Vec3>& points,
