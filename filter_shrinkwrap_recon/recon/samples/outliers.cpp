@@ -39,6 +39,7 @@ class OutlierSearch {
     mark_core();
     join_core();
     join_small_sets();
+    dissolve_hazes();
     attach_others();
     return collect();
   }
@@ -119,6 +120,22 @@ class OutlierSearch {
     for (std::size_t n = 0; n < small.size(); ++n)
       if (other[n] != kNone) sets_.unite(small[n], other[n]);
     count_sets();
+  }
+
+  // Of many stray points far apart, some are core samples by chance, and hold each other.
+  void dissolve_hazes() {
+    std::vector<double> roughness_of(cloud_.position.size()), spacing_of(cloud_.position.size());
+    for (Index i = 0; i < cloud_.size(); ++i) {
+      if (!core_[i]) continue;
+      const Index set = sets_.find(i);
+      roughness_of[set] += roughness(i);
+      spacing_of[set] += cloud_.local_spacing[i];
+    }
+    for (Index set = 0; set < cloud_.size(); ++set)
+      if (size_[set] < options_.part_of_haze * cloud_.size() &&
+          spacing_of[set] > options_.spacing_of_haze * cloud_.spacing * size_[set] &&
+          roughness_of[set] > options_.roughness_of_haze * size_[set])
+        size_[set] = 0;
   }
 
   // Samples that hold no others belong to the large sets near them.
