@@ -416,7 +416,8 @@ TEST(Outliers, HazesAroundABodyAreStray) {
 }
 
 // As rough a body is no haze if it is less far sparser than the rest, or not so small a part of the
-// cloud: of 4,000 samples in ten, beside a dense sphere, 15 and 12 seem stray, 400 more if it were.
+// cloud: of 4,000 samples in ten, beside a dense sphere, 15 and 12 seem stray, 415 and 412 if it
+// is.
 TEST(Outliers, RoughBodiesBesideDenseOnesAreNotStray) {
   constexpr Index kRough = 400;
   SampleDefects rough;

@@ -131,11 +131,19 @@ class OutlierSearch {
       roughness_of[set] += roughness(i);
       spacing_of[set] += cloud_.local_spacing[i];
     }
+    const auto is_haze = [&](Index set) {
+      return spacing_of[set] > options_.spacing_of_haze * cloud_.spacing * size_[set] &&
+             roughness_of[set] > options_.roughness_of_haze * size_[set];
+    };
+    std::vector<Index> hazes;
+    Index samples = 0;
     for (Index set = 0; set < cloud_.size(); ++set)
-      if (size_[set] < options_.part_of_haze * cloud_.size() &&
-          spacing_of[set] > options_.spacing_of_haze * cloud_.spacing * size_[set] &&
-          roughness_of[set] > options_.roughness_of_haze * size_[set])
-        size_[set] = 0;
+      if (is_haze(set)) {
+        hazes.push_back(set);
+        samples += size_[set];
+      }
+    if (samples < options_.part_of_hazes * cloud_.size())
+      for (const Index set : hazes) size_[set] = 0;
   }
 
   // Samples that hold no others belong to the large sets near them.

@@ -34,9 +34,10 @@ struct OutlierOptions {
   double roughness =
       0.23;           ///< mean deviation of neighbourhoods from their planes, x radius, at most
   double gap = 1.25;  ///< distance from the nearest neighbour, x its spacing, at most
-  // Where many stray points are far apart, some meet this by chance. So no set of core samples
-  // stays that is small, far sparser than the rest, and nearly as rough as is allowed at all:
-  double part_of_haze = 0.1;       ///< of all samples, less than
+  // Where many stray points are far apart, some meet this by chance. So sets of core samples that
+  // are far sparser than the rest, and nearly as rough as is allowed at all, hold nothing, unless
+  // they are many:
+  double part_of_hazes = 0.1;      ///< of all samples: these sets together less than
   double spacing_of_haze = 8.0;    ///< x median spacing, on average more than
   double roughness_of_haze = 0.2;  ///< as `roughness`, on average more than
 
