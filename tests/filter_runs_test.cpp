@@ -236,7 +236,7 @@ TEST(FilterRuns, ChainThatKeepsOutliersGivesTheBytesOfTheOneShot) {
   EXPECT_EQ(std::get<Index>(report.figures.at("outliers")), 1);
 }
 
-// What is stray depends on the neighbourhoods: stages that take others would lose each other.
+// Stages that left out others would lose each other. The number of neighbours makes no difference.
 TEST(FilterRuns, EveryStageLeavesOutTheSameStrays) {
   Random random(21);
   FilterInput input;
@@ -247,7 +247,8 @@ TEST(FilterRuns, EveryStageLeavesOutTheSameStrays) {
   };
   const ParameterValues changed = {{"Neighbours", 32}};
   const FilterOutcome one_shot = run(Filter::reconstruct, input, changed);
-  ASSERT_NE(strays(one_shot), strays(run(Filter::reconstruct, input)));
+  ASSERT_GT(strays(one_shot), 100);
+  EXPECT_EQ(strays(one_shot), strays(run(Filter::reconstruct, input)));
   FilterOutcome outcome = run(Filter::initial_mesh, input, changed);
   EXPECT_EQ(strays(outcome), strays(one_shot));
   for (const Filter filter :
