@@ -86,22 +86,20 @@ Parameter exclude_outliers() {
   return advanced(
       boolean(kExcludeOutliers, "Exclude outliers", true,
               "Leave stray points out of the surface: points and small clumps of points (fewer "
-              "than 30, or more if they are far sparser than the rest and in no surface) that lie "
-              "apart from the rest, far from it by the spacing there, and points that jut out of "
-              "it. The log "
-              "says how many; the whole method and Initial Mesh make a layer of them, so that none "
-              "is lost. Off: every point becomes a vertex, stray or not."));
+              "than 30, or more if they are far sparser than the rest and in no surface) that "
+              "lie apart from the rest, far from it by the spacing there, and points that jut "
+              "out of it. The log says how many; the whole method and Initial Mesh make a "
+              "layer of them, so that none is lost. Off: every point becomes a vertex, stray "
+              "or not."));
 }
 
 Parameter excuse_outliers() {
   Parameter parameter = exclude_outliers();
   parameter.tooltip =
       "Do not count stray points as missing where the mesh leaves them out: points and small "
-      "clumps "
-      "of points (fewer than 30, or more if they are far sparser than the rest and in no surface) "
-      "that lie apart from the rest, far from it by the spacing there, and points that jut out of "
-      "it. "
-      "The log says how many. Off: every distinct point must be a vertex.";
+      "clumps of points (fewer than 30, or more if they are far sparser than the rest and in "
+      "no surface) that lie apart from the rest, far from it by the spacing there, and points "
+      "that jut out of it. The log says how many. Off: every distinct point must be a vertex.";
   return parameter;
 }
 
