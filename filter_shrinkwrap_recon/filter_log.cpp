@@ -402,6 +402,9 @@ void tell_of(const OutlierReport& report, FilterOutcome& outcome) {
         "what seems stray is left in (" + count_of(left_in, "sample") +
         "): it is too much, or the others lie in a plane. Remove by hand what is no part of the "
         "surface.");
+  if (!report.off_surface.empty())
+    outcome.log.push_back(count_of(static_cast<Index>(report.off_surface.size()), "outlier") +
+                          " told by the surface through the others: alone, and off it.");
   if (report.on_surface > 0)
     outcome.log.push_back(count_of(report.on_surface, "sample") +
                           " apart from the rest lie on the surface that passes through it: no "

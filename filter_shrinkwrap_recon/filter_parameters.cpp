@@ -88,9 +88,10 @@ Parameter exclude_outliers() {
               "Leave stray points out of the surface: points and small clumps of points (fewer "
               "than 30, or more if they are far sparser than the rest and in no surface) that "
               "lie apart from the rest, far from it by the spacing there, and points that jut "
-              "out of it. The log says how many; the whole method and Initial Mesh make a "
-              "layer of them, so that none is lost. Off: every point becomes a vertex, stray "
-              "or not."));
+              "out of it, or stand alone off the surface made of it. The log says how many; the "
+              "whole method and Initial Mesh make a layer of them, and Complete Matching of "
+              "those that it finds, so that none is lost. Off: every point becomes a vertex, "
+              "stray or not."));
 }
 
 Parameter excuse_outliers() {
@@ -99,7 +100,8 @@ Parameter excuse_outliers() {
       "Do not count stray points as missing where the mesh leaves them out: points and small "
       "clumps of points (fewer than 30, or more if they are far sparser than the rest and in "
       "no surface) that lie apart from the rest, far from it by the spacing there, and points "
-      "that jut out of it. The log says how many. Off: every distinct point must be a vertex.";
+      "that jut out of it, or stand alone off the mesh. The log says how many. Off: every "
+      "distinct point must be a vertex.";
   return parameter;
 }
 

@@ -8,6 +8,7 @@
 
 #include "common/available_memory.h"
 #include "common/memory_estimate.h"
+#include "complete_matching/outliers_off_surface.h"
 #include "complete_matching/outliers_on_surface.h"
 #include "filter_log.h"
 #include "fit_surface.h"
@@ -98,10 +99,13 @@ PointCloud prepare_oriented(Filter filter, const FilterInput& input, Reconstruct
 
 // As a parametric surface meets them: where they are, with the normals that it was made with.
 PointCloud prepare_to_match(const FilterInput& input, ReconstructionOptions options,
-                            OutlierReport& outliers, Progress& progress, FilterOutcome& outcome) {
+                            OutlierReport& outliers, double& noise, Progress& progress,
+                            FilterOutcome& outcome) {
   PointCloud cloud = without_outliers(input, options, outliers, progress);
   tell_of_spacing(cloud, outcome);
-  warn_of(orient_and_smooth(cloud, options, progress).orientation, outcome.warnings);
+  const CloudReport samples = orient_and_smooth(cloud, options, progress);
+  warn_of(samples.orientation, outcome.warnings);
+  noise = samples.noise.of_others();
   if (cloud.is_denoised())
     undo_denoising(cloud, input.points, options.samples.neighbours,
                    options.orientation.plane_neighbours, progress);
@@ -119,8 +123,8 @@ bool has_near_copies(const FilterInput& input, const PointCloud& cloud) {
   });
 }
 
-// As a mesh through them has them: with the outliers that the matching made samples again, and with
-// near copies if it has those already.
+// As a mesh through them has them: with the outliers that the matching made samples again, without
+// those that it found, and with near copies if it has those already.
 PointCloud prepare_as_matched(const FilterInput& input, ReconstructionOptions options,
                               OutlierReport& outliers, Progress& progress) {
   PointCloud cloud = without_outliers(input, options, outliers, progress);
@@ -129,6 +133,9 @@ PointCloud prepare_as_matched(const FilterInput& input, ReconstructionOptions op
     cloud = without_outliers(input, options, outliers, progress);
   }
   keep_outliers_among(cloud, outliers, input.points, input.mesh.position, progress);
+  if (options.outliers.exclude)
+    leave_out_samples_off_mesh(cloud, outliers, input.points, input.mesh.position,
+                               input.mesh.triangles, options.outliers, progress);
   return cloud;
 }
 
@@ -264,11 +271,18 @@ FilterOutcome run_complete_matching(const FilterRequest& request, const FilterIn
                                     Progress& progress) {
   FilterOutcome outcome;
   OutlierReport outliers;
-  PointCloud cloud = prepare_to_match(input, request.options, outliers, progress, outcome);
+  double noise = 0.0;
+  PointCloud cloud = prepare_to_match(input, request.options, outliers, noise, progress, outcome);
   const SurfaceMesh surface = closed_surface(input.mesh, cloud.frame);
+  const OutlierReport known = outliers;  // a stage before made a layer of them
   CompleteMatching matching =
-      match_cloud(surface, cloud, outliers, input.points, request.options, progress);
+      match_cloud(surface, cloud, outliers, input.points, noise, request.options, progress);
   tell_of(outliers, outcome);
+  OutlierReport found;
+  std::set_difference(outliers.input_index.begin(), outliers.input_index.end(),
+                      known.input_index.begin(), known.input_index.end(),
+                      std::back_inserter(found.input_index));
+  outcome.outliers = outlier_layer(found, input.points);
   warn_of(matching.report, outcome.warnings);
   warn_of_openings(request.options, outcome.warnings);
   outcome.log.push_back("distance of the samples from the parametric surface: mean " +
@@ -510,7 +524,7 @@ FilterOutcome run_filter(Filter filter, const FilterRequest& request, const Filt
   if (needs_faces && input.mesh.triangles.empty())
     throw InvalidInput(
         "the layer chosen as Mesh has no faces: choose one that a reconstruction filter made "
-        "(where stray points were left out, the layers after the first mesh have one number more)");
+        "(where stray points were left out, layers of them lie between those of the meshes)");
   if (needs_mesh && input.mesh.position.empty())
     throw InvalidInput("the layer chosen as Mesh has no vertices: choose another");
 
@@ -543,8 +557,8 @@ FilterOutcome run_filter(Filter filter, const FilterRequest& request, const Filt
     }
     return made;
   });
-  // The first stage made the layer of what was left out.
-  if (needs_mesh) outcome.outliers = ResultMesh();
+  // The first stage made the layer of what was left out; the matching may find more.
+  if (needs_mesh && filter != Filter::complete_matching) outcome.outliers = ResultMesh();
   if (!outcome.mesh.triangles.empty()) {
     outcome.figures["vertices"] = static_cast<Index>(outcome.mesh.position.size());
     outcome.figures["faces"] = static_cast<Index>(outcome.mesh.triangles.size());

@@ -202,6 +202,16 @@ TEST_F(OutliersBesideASheet, PointsFarBeyondItsEdgeAreStray) {
     }
 }
 
+// The nearer ones too if they lie less in its plane.
+TEST_F(OutliersBesideASheet, PointsBesideItsEdgeMustLieInItsPlane) {
+  for (const double slope : {0.1, 0.3, 0.45, 0.6}) {
+    SCOPED_TRACE(slope);
+    points.emplace_back(59.0 + 3.0, 28.5, slope * 3.0);
+    EXPECT_EQ(is_stray(kSamples), slope > 0.4);
+    points.pop_back();
+  }
+}
+
 // What goes on beyond such a point holds it only if it is near enough, and in its plane.
 TEST_F(OutliersBesideASheet, PointsBetweenItAndAnotherAreStray) {
   const std::vector<Vec3> sheet = points;

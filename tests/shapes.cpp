@@ -367,6 +367,25 @@ std::vector<Vec3> cube_with_gaps(const std::vector<Vec3>& alone) {
   return points;
 }
 
+std::vector<Vec3> cube_with_strays_beside_edges(Index per_face, unsigned seed) {
+  Random random(seed);
+  std::vector<Vec3> points;
+  for (int face = 0; face < 6; ++face)
+    for (Index i = 0; i < per_face; ++i) {
+      Vec3 p = 0.5 * (random.in_cube() + Vec3::Ones());
+      p[face % 3] = face / 3;
+      points.push_back(p);
+    }
+  for (int edge = 0; edge < 12; ++edge) {
+    const double h = (1.2 + 0.05 * edge) / std::sqrt(per_face);
+    Vec3 p = Vec3::Constant(0.5);
+    p[(edge + 1) % 3] = edge % 2 == 0 ? -h : 1.0 + h;
+    p[(edge + 2) % 3] = edge < 6 ? -h : 1.0 + h;
+    points.push_back(p);
+  }
+  return points;
+}
+
 std::vector<Vec3> sample_cut_ring(Index count, double gap, unsigned seed) {
   constexpr double kMajor = 0.7, kMinor = 0.2, kArea = 4.0 * kPi * kPi * kMajor * kMinor;
   const double half_gap = 0.5 * gap * std::sqrt(kArea / count);

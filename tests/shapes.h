@@ -121,6 +121,10 @@ std::vector<Vec3> sample_sphere_on_scan_lines(Index count, unsigned seed);
 /// samples around lie on the other face.
 std::vector<Vec3> cube_with_gaps(const std::vector<Vec3>& alone);
 
+/// The unit cube at random places, so many to a face, and after them twelve stray points, each
+/// diagonally off the middle of an edge, 1.7 to 2.5 spacings away.
+std::vector<Vec3> cube_with_strays_beside_edges(Index per_face, unsigned seed);
+
 /// A ring that is cut open: genus 0. The gap between its ends measures so many sample spacings.
 std::vector<Vec3> sample_cut_ring(Index count, double gap, unsigned seed);
 

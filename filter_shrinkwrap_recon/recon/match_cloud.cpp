@@ -1,10 +1,12 @@
 #include "match_cloud.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "complete_matching/finish_matching.h"
 #include "complete_matching/near_copy_insertion.h"
+#include "complete_matching/outliers_off_surface.h"
 #include "complete_matching/outliers_on_surface.h"
 #include "mesh/bodies.h"
 #include "mesh/self_intersection.h"
@@ -27,13 +29,23 @@ std::vector<Triangle> tried_before(const SurfaceMesh& mesh, const RepairReport& 
 
 }  // namespace
 
+void keep_samples(ReconstructionOptions& options) {
+  options.outliers.foot = 0.0;
+  options.outliers.off_surface = std::numeric_limits<double>::infinity();
+}
+
 CompleteMatching match_cloud(SurfaceMesh parametric, PointCloud& cloud, OutlierReport& outliers,
-                             const std::vector<Vec3>& points, const ReconstructionOptions& options,
-                             Progress& progress) {
+                             const std::vector<Vec3>& points, double noise,
+                             const ReconstructionOptions& options, Progress& progress) {
+  constexpr double kToSearch = 0.1;  // of the time of the stage
+  progress.begin(Stage::complete_matching);
+  progress.set_part(0.0, kToSearch);
+  if (options.outliers.exclude)
+    leave_out_samples_off_surface(cloud, outliers, parametric, noise, options.outliers, progress);
+  progress.set_part(kToSearch, 1.0);
   if (outliers.input_index.empty() || !(options.outliers.foot > 0.0))
     return match_samples(std::move(parametric), cloud, options.complete_matching, progress);
-  progress.begin(Stage::complete_matching);
-  progress.set_part(0.0, 0.5);
+  progress.set_part(kToSearch, 0.5);
   CompleteMatching matching = match_samples(parametric, cloud, options.complete_matching, progress);
   if (keep_outliers_on_surface(cloud, outliers, points, matching.mesh, options.outliers,
                                progress) == 0)

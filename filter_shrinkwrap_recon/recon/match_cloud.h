@@ -7,11 +7,17 @@
 
 namespace shrinkwrap {
 
-/// `match_samples`; if some of the outliers lie on the mesh, they become samples of the cloud, and
-/// the surface is matched once more (outliers_on_surface.h). `points`: those that the cloud is of.
+/// `match_samples`, without samples that stand alone off the surface (outliers_off_surface.h). If
+/// some of the outliers lie on the mesh, they become samples of the cloud, and the surface is
+/// matched once more (outliers_on_surface.h). `points`: those that the cloud is of;
+/// `noise`: of others than are noisier (NoiseEstimate).
 CompleteMatching match_cloud(SurfaceMesh parametric, PointCloud& cloud, OutlierReport& outliers,
-                             const std::vector<Vec3>& points, const ReconstructionOptions& options,
-                             Progress& progress);
+                             const std::vector<Vec3>& points, double noise,
+                             const ReconstructionOptions& options, Progress& progress);
+
+/// Of another attempt, which is to be of as many samples as the first: that no outlier becomes a
+/// sample, and no sample an outlier.
+void keep_samples(ReconstructionOptions& options);
 
 struct OptimisedMesh {
   ResultMesh mesh;  ///< in the caller's frame, with face qualities as Reconstruction::mesh has them

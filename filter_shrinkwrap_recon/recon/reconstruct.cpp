@@ -67,8 +67,8 @@ void match(SurfaceMesh parametric, PointCloud& cloud, const std::vector<Vec3>& p
            const ReconstructionOptions& options, Reconstruction& result, StageLog& log,
            Progress& progress) {
   const SurfaceMesh surface = options.keep_stages ? parametric : SurfaceMesh();
-  CompleteMatching matching =
-      match_cloud(std::move(parametric), cloud, result.outliers, points, options, progress);
+  CompleteMatching matching = match_cloud(std::move(parametric), cloud, result.outliers, points,
+                                          result.noise.of_others(), options, progress);
   result.complete_matching = matching.report;
   result.spacing = cloud.frame.to_input_length(cloud.spacing);
   const auto distances = [&](const ResultMesh& stage) {
@@ -115,7 +115,7 @@ void match_sheets(SurfaceMesh parametric, PointCloud& cloud, const std::vector<V
   }
   if (result.complete_matching.backs <= kMostAtRims * cloud.size()) return;
   options.complete_matching.backs_are_openings = true;
-  options.outliers.foot = 0.0;  // as many samples as the first attempt
+  keep_samples(options);
   const ProgressShare share(progress, kFirst * end, kFirst * end + 1.0 - kFirst);
   try_again(result, second, &Reconstruction::backs, true, cloud, progress, [&] {
     StageLog second_log(second, options);
@@ -130,7 +130,7 @@ void match_smoothed(PointCloud& cloud, const std::vector<Vec3>& points, const No
                     ReconstructionOptions options, Reconstruction& result, Progress& progress) {
   StageLog log(result, options);
   options.stop_at_parametric_surface = true;
-  options.outliers.foot = 0.0;  // as many samples as the first attempt
+  keep_samples(options);
   progress.begin(Stage::orientation);
   smooth_for_noise(cloud, noise, options, result.orientation, progress);
   log.add(Stage::orientation, cloud.size());

@@ -434,9 +434,6 @@ std::vector<Index> find_outliers(const PointCloud& cloud, const OutlierOptions& 
   return OutlierSearch(cloud, options, progress).find();
 }
 
-namespace {
-
-// Near copies of samples that were left out are left out too.
 void leave_out_copies(PointCloud& cloud, OutlierReport& report) {
   std::vector<Index> originals = report.input_index;
   std::sort(originals.begin(), originals.end());
@@ -448,6 +445,8 @@ void leave_out_copies(PointCloud& cloud, OutlierReport& report) {
     if (is_left_out(pair)) report.input_index.push_back(pair.copy);
   copies.erase(std::remove_if(copies.begin(), copies.end(), is_left_out), copies.end());
 }
+
+namespace {
 
 OutlierReport exclude_from(PointCloud& cloud, const std::vector<Vec3>& points,
                            const OutlierOptions& options, Progress& progress) {

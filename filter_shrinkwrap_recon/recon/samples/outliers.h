@@ -18,7 +18,7 @@ struct OutlierOptions {
   // A sample that is no core sample, and farther from one than `reach_off_plane` times the spacing
   // there, must lie about in its plane, or no farther off it than the surroundings are rough.
   double reach_off_plane = 1.5;
-  double slope_of_others = 0.5;       ///< height over the plane, x distance, at most
+  double slope_of_others = 0.35;      ///< height over the plane, x distance, at most
   double deviations_of_others = 3.0;  ///< the same, x PointCloud::deviation of the core sample
   Index smallest_set = 30;  ///< samples; a hundredth of all where that is less, at least 4
   // A smaller set, as the last lines of a scan are, stays if it has the samples of a neighbourhood
@@ -74,6 +74,15 @@ struct OutlierOptions {
   double foot = 0.25;
   double widest_gap = 4.0;  ///< that distance, x the larger of median and local spacing, at most
 
+  // The parametric surface shows more of them (outliers_off_surface.h): samples off it, and farther
+  // from each other than those around, which lie on it. Not those that most around have in their
+  // planes (more than `support`, by `slope`).
+  double off_surface = 1.0;        ///< distance, x spacing around, more than; infinite: none
+  double noise_off_surface = 3.0;  ///< and so many times the noise more
+  double spacing_off_it = 1.05;    ///< own spacing, x that around, more than
+  double on_surface = 0.15;        ///< others: x that distance, at most
+  double part_on_surface = 0.8;    ///< of the 15 nearest, at least
+
   FarStrayOptions far_strays;  ///< which are found before the samples are prepared
 
   /// If more than this part of the samples seems stray, none is left out: what is so frequent is
@@ -90,7 +99,13 @@ struct OutlierReport {
   Index suspected = 0;
   int rounds = 0;        ///< of the search
   Index on_surface = 0;  ///< that were left out, and are samples again: not among `input_index`
+  /// Of `input_index`, those that the parametric surface showed, near copies not among them;
+  /// ascending.
+  std::vector<Index> off_surface;
 };
+
+/// Leaves near copies out too of samples that a report says were left out.
+void leave_out_copies(PointCloud& cloud, OutlierReport& report);
 
 /// The stray samples of a cloud, ascending, found in one round. None of fewer than 64. Pre:
 /// the cloud has as many neighbours as are usual, or more. O(N) expected, parallel,

@@ -144,17 +144,17 @@ struct Extent {
   }
 };
 
-Extent extent_of(const PointCloud& cloud, Progress& progress) {
-  const auto& position = cloud.position;
-  const Vec3 mean = parallel_sum<Vec3>(cloud.size(), kGrain, progress, Vec3(Vec3::Zero()),
+Extent extent_of(const std::vector<Vec3>& position, Progress& progress) {
+  const Index count = static_cast<Index>(position.size());
+  const Vec3 mean = parallel_sum<Vec3>(count, kGrain, progress, Vec3(Vec3::Zero()),
                                        [&](Index begin, Index end) {
                                          Vec3 sum = Vec3::Zero();
                                          for (Index i = begin; i < end; ++i) sum += position[i];
                                          return sum;
                                        }) /
-                    cloud.size();
+                    count;
   const Eigen::Matrix3d scatter = parallel_sum<Eigen::Matrix3d>(
-      cloud.size(), kGrain, progress, Eigen::Matrix3d(Eigen::Matrix3d::Zero()),
+      count, kGrain, progress, Eigen::Matrix3d(Eigen::Matrix3d::Zero()),
       [&](Index begin, Index end) {
         Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
         for (Index i = begin; i < end; ++i) {
@@ -167,7 +167,7 @@ Extent extent_of(const PointCloud& cloud, Progress& progress) {
   const Eigen::Matrix3d axes = solver.eigenvectors();  // least extent first
   // Farthest from the plane, and from the line along the greatest extent.
   const Vec3 farthest =
-      parallel_sum<Box>(cloud.size(), kGrain, progress, Box(), [&](Index begin, Index end) {
+      parallel_sum<Box>(count, kGrain, progress, Box(), [&](Index begin, Index end) {
         Box box;
         for (Index i = begin; i < end; ++i) {
           const Vec3 d = axes.transpose() * (position[i] - mean);
@@ -182,7 +182,7 @@ Extent extent_of(const PointCloud& cloud, Progress& progress) {
 // coordinates. Stray points may make a cloud look flat; those left out are told too.
 void refuse_flat(const std::vector<Vec3>& points, const PointCloud& cloud, const Rounding& rounding,
                  const FarStrays& left_out, Progress& progress) {
-  const Extent extent = extent_of(cloud, progress);
+  const Extent extent = extent_of(cloud.position, progress);
   if (!extent.is_flat(rounding)) return;
   const std::size_t strays = left_out.all.empty()
                                  ? find_far_strays(points, {}, progress).distinct.size()
@@ -220,7 +220,7 @@ void leave_out_near_copies(PointCloud& cloud, const NearCopyOptions& options,
     rest.position.push_back(cloud.position[i]);
     input_index.push_back(cloud.input_index[i]);
   }
-  if (extent_of(rest, progress).is_flat(rounding)) return;
+  if (extent_of(rest.position, progress).is_flat(rounding)) return;
   for (NearCopy& pair : copies)
     pair = {cloud.input_index[pair.copy], cloud.input_index[pair.original]};
   // The curve runs through the box of the samples, which may be smaller now.
@@ -248,6 +248,10 @@ void refuse_few(const ConditioningReport& report) {
 }
 
 }  // namespace
+
+double height_over_plane(const std::vector<Vec3>& positions, Progress& progress) {
+  return extent_of(positions, progress).from_plane;
+}
 
 const char* advice_for_coarse_steps() {
   return "if the file has more digits, subtract an offset from its coordinates, such as their "

@@ -130,6 +130,9 @@ const char* advice_for_coarse_steps();
 PointCloud prepare_samples(const std::vector<Vec3>& points, const SampleOptions& options,
                            Progress& progress, const FarStrays& far_strays = {});
 
+/// Of the plane that fits some places best: how far the farthest is from it. O(N), parallel.
+double height_over_plane(const std::vector<Vec3>& positions, Progress& progress);
+
 /// Whether the samples lie in the unit frame exactly where they lie among the points that they were
 /// prepared from; not so where coordinates are so small, beside others, that they vanish.
 bool is_exact_in_unit_frame(const PointCloud& cloud, const std::vector<Vec3>& points,
