@@ -23,7 +23,7 @@ constexpr Index kLeastSamples = 64;   // as of the search for outliers
 constexpr int kUsual = SampleOptions::kUsualNeighbours;
 constexpr int kAround = kUsual - 1;
 constexpr int kMostLookedAt = 3 * kAround;  // to find as many that are not left out
-// No sample with a smaller spacing, x the median, is farther from others than those around.
+// A sample with a smaller spacing, x the median, is hardly farther from others than those around.
 constexpr double kLeastSpacing = 0.9;
 constexpr double kFlat = 1e-3;  // x spacing, from one plane: the rest of the samples
 // Of a mesh: edges were chosen again since samples were judged, and normals are those of one plane.
@@ -56,7 +56,7 @@ bool is_in_planes(const PointCloud& cloud, Index sample, const std::vector<Index
     const Vec3 d = cloud.position[sample] - cloud.position[other];
     return std::abs(d.dot(cloud.normal[other].cast<double>())) <= slope * d.norm();
   });
-  return static_cast<double>(count) > part * kAround;
+  return static_cast<double>(count) > part * static_cast<double>(around.size());
 }
 
 // Leaves samples out, ascending, and those that are at the same place but for a little.
@@ -229,7 +229,8 @@ Index leave_out_samples_off_mesh(PointCloud& cloud, OutlierReport& report,
     // What is nearer to the mesh is on it (outliers_on_surface.h).
     const double gap = (cloud.position[around.front()] - cloud.position[sample]).norm();
     return gap > kLeastGap * cloud.spacing_beside(sample) &&
-           !has_face_within(cloud.position[sample], kOffMesh * options.foot * gap);
+           (gap > options.widest_gap * cloud.spacing_at(around.front()) ||
+            !has_face_within(cloud.position[sample], kOffMesh * options.foot * gap));
   };
   std::vector<Index> stray, left;
   for (Index i = 0; i < cloud.size(); ++i)

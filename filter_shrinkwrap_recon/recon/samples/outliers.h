@@ -99,8 +99,8 @@ struct OutlierReport {
   Index suspected = 0;
   int rounds = 0;        ///< of the search
   Index on_surface = 0;  ///< that were left out, and are samples again: not among `input_index`
-  /// Of `input_index`, those that the parametric surface showed, near copies not among them;
-  /// ascending.
+  /// Of `input_index`, those that the parametric surface showed, but for near copies that the cloud
+  /// knew of; ascending.
   std::vector<Index> off_surface;
 };
 
