@@ -39,6 +39,7 @@ class OutlierSearch {
     mark_core();
     join_core();
     join_small_sets();
+    measure_sets();
     dissolve_hazes();
     attach_others();
     return collect();
@@ -122,23 +123,27 @@ class OutlierSearch {
     count_sets();
   }
 
-  // Of many stray points far apart, some are core samples by chance, and hold each other.
-  void dissolve_hazes() {
-    std::vector<double> roughness_of(cloud_.position.size()), spacing_of(cloud_.position.size());
+  void measure_sets() {
+    roughness_of_.assign(cloud_.position.size(), 0.0);
+    spacing_of_.assign(cloud_.position.size(), 0.0);
     for (Index i = 0; i < cloud_.size(); ++i) {
       if (!core_[i]) continue;
       const Index set = sets_.find(i);
-      roughness_of[set] += roughness(i);
-      spacing_of[set] += cloud_.local_spacing[i];
+      roughness_of_[set] += roughness(i) / size_[set];
+      spacing_of_[set] += cloud_.local_spacing[i] / static_cast<double>(size_[set]);
     }
-    const auto is_haze = [&](Index set) {
-      return spacing_of[set] > options_.spacing_of_haze * cloud_.spacing * size_[set] &&
-             roughness_of[set] > options_.roughness_of_haze * size_[set];
-    };
+  }
+  bool is_flat(Index set) const {
+    return size_[set] > 0 && roughness_of_[set] <= options_.roughness;
+  }
+
+  // Of many stray points far apart, some are core samples by chance, and hold each other.
+  void dissolve_hazes() {
     std::vector<Index> hazes;
     Index samples = 0;
     for (Index set = 0; set < cloud_.size(); ++set)
-      if (is_haze(set)) {
+      if (spacing_of_[set] > options_.spacing_of_haze * cloud_.spacing &&
+          roughness_of_[set] > options_.roughness_of_haze) {
         hazes.push_back(set);
         samples += size_[set];
       }
@@ -146,62 +151,78 @@ class OutlierSearch {
       for (const Index set : hazes) size_[set] = 0;
   }
 
-  // Samples that hold no others belong to the large sets near them.
+  // Samples that hold no others belong to the large sets near them, and so may small sets.
   void attach_others() {
     kept_.assign(cloud_.position.size(), 0);
     for (Index i = 0; i < cloud_.size(); ++i) kept_[i] = core_[i] && is_large(i);
-    keep_more([&](Index i) { return !core_[i] && is_held_by_core(i); });
+    keep_those_held();
     keep_more([&](Index i) { return !core_[i] && is_held_beyond(i); });
     keep_flat_sets();
     keep_more([&](Index i) { return is_supported(i); });
+    keep_those_that_go_on();
+    keep_sets_that_go_on();
+    keep_those_held();
+    keep_those_that_go_on();
+  }
+
+  void keep_those_held() {
+    keep_more([&](Index i) { return !core_[i] && is_held_by_core(i); });
+  }
+  void keep_those_that_go_on() {
     for (int ring = 0; ring < kRingsGoneOn; ++ring) keep_more([&](Index i) { return goes_on(i); });
   }
 
-  // Keeps small sets that are flat, dense, and near for their width to samples that are kept.
+  // Keeps small sets that are flat, dense, and near for their width, or by the spacing of most, to
+  // samples that are kept.
   void keep_flat_sets() {
     struct Set {
-      Index size = 0;
       Vec3 centre = Vec3::Zero();
-      double roughness = 0.0, spacing = 0.0, radius = 0.0;
+      double radius = 0.0;
+      bool is_near = false;
     };
     std::vector<Index> place(cloud_.position.size(), kNone);  // in `sets`, of their roots
     std::vector<Index> sample;
     std::vector<Set> sets;
     for (Index i = 0; i < cloud_.size(); ++i) {
-      if (kept_[i] || !core_[i] || size_[sets_.find(i)] < kUsual) continue;
-      Index& of_root = place[sets_.find(i)];
-      if (of_root == kNone) {
-        of_root = static_cast<Index>(sets.size());
+      if (kept_[i] || !core_[i]) continue;
+      const Index root = sets_.find(i);
+      if (size_[root] < kUsual || !is_flat(root) ||
+          spacing_of_[root] > options_.spacing_of_flat_sets * cloud_.spacing)
+        continue;
+      if (place[root] == kNone) {
+        place[root] = static_cast<Index>(sets.size());
         sets.emplace_back();
       }
-      Set& set = sets[of_root];
-      ++set.size;
-      set.centre += cloud_.position[i];
-      set.roughness += roughness(i);
-      set.spacing += cloud_.local_spacing[i];
+      sets[place[root]].centre += cloud_.position[i] / size_[root];
       sample.push_back(i);
     }
-    for (Set& set : sets) set.centre /= set.size;
     const auto set_of = [&](Index i) -> Set& { return sets[place[sets_.find(i)]]; };
     for (const Index i : sample) {
       Set& set = set_of(i);
       set.radius = std::max(set.radius, (cloud_.position[i] - set.centre).norm());
     }
-    const std::vector<char> kept = kept_;
+    const auto is_kept = [&](Index j) { return kept_[j] != 0; };
     for (const Index i : sample) {
-      const Set& set = set_of(i);
-      if (set.size == 0 || set.roughness > options_.roughness * set.size ||
-          set.spacing > options_.spacing_of_flat_sets * cloud_.spacing * set.size)
-        continue;
-      const double reach = options_.reach_of_flat_sets * 2.0 * set.radius;
-      const Index near =
-          cloud_.search.nearest_if(cloud_.position[i], reach, [&](Index j) { return kept[j] != 0; })
-              .index;
-      if (near == kNone) continue;
-      set_of(i).size = 0;  // marks it
+      Set& set = set_of(i);
+      if (set.is_near) continue;
+      const double reach = std::max(options_.reach_of_flat_sets * 2.0 * set.radius,
+                                    options_.gap_of_flat_sets * cloud_.spacing);
+      set.is_near = cloud_.search.nearest_if(cloud_.position[i], reach, is_kept).index != kNone;
     }
     for (const Index i : sample)
-      if (set_of(i).size == 0) kept_[i] = 1;
+      if (set_of(i).is_near) kept_[i] = 1;
+  }
+
+  // A flat set of which some samples go on the surface is a part of it, however much denser.
+  void keep_sets_that_go_on() {
+    std::vector<char> goes_on(cloud_.position.size(), 0);  // at the root
+    for (Index i = 0; i < cloud_.size(); ++i)
+      if (core_[i] && kept_[i]) goes_on[sets_.find(i)] = 1;
+    for (Index i = 0; i < cloud_.size(); ++i) {
+      if (!core_[i]) continue;
+      const Index set = sets_.find(i);
+      if (goes_on[set] && is_flat(set)) kept_[i] = 1;
+    }
   }
 
   // Keeps those of the samples left over of which `belongs` says so, all at once.
@@ -282,7 +303,7 @@ class OutlierSearch {
   }
   bool is_held_by_core(Index sample) const {
     return nearest_within(options_.reach_of_others, sample, [&](Index other) {
-             return kept_[other] && is_beside(sample, other);
+             return core_[other] && kept_[other] && is_beside(sample, other);
            }) != kNone;
   }
   bool is_held_beyond(Index sample) const {
@@ -423,7 +444,9 @@ class OutlierSearch {
   const Index smallest_ = std::min(options_.smallest_set, std::max<Index>(cloud_.size() / 100, 4));
   std::vector<char> core_, kept_;
   SharedSets sets_{cloud_.size(), progress_};
-  std::vector<Index> size_;  // of the set, at its root
+  // Of the sets, each at its root: how many core samples they are of, and these on average.
+  std::vector<Index> size_;
+  std::vector<double> roughness_of_, spacing_of_;
 };
 
 }  // namespace

@@ -26,6 +26,7 @@ struct OutlierOptions {
   // (`roughness`), as dense as the rest, and near for its width.
   double spacing_of_flat_sets = 3.0;  ///< x median spacing, on average at most
   double reach_of_flat_sets = 1.5;    ///< x width of the set: from samples that stay
+  double gap_of_flat_sets = 1.0;      ///< or x median spacing, if that is more
   /// No core sample has a spacing of more than this many times that of most of its neighbours ...
   double least_alike = 1.5;
   /// ... nor, if its spacing is more than this many times the median, may it be part of a haze of
