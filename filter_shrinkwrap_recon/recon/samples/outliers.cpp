@@ -133,8 +133,10 @@ class OutlierSearch {
       spacing_of_[set] += cloud_.local_spacing[i] / static_cast<double>(size_[set]);
     }
   }
-  bool is_flat(Index set) const {
-    return size_[set] > 0 && roughness_of_[set] <= options_.roughness;
+  // Whether a set, by its root, is a part of a surface, however small, if it is near the rest.
+  bool is_flat_and_dense(Index set) const {
+    return size_[set] > 0 && roughness_of_[set] <= options_.roughness &&
+           spacing_of_[set] <= options_.spacing_of_flat_sets * cloud_.spacing;
   }
 
   // Of many stray points far apart, some are core samples by chance, and hold each other.
@@ -151,25 +153,22 @@ class OutlierSearch {
       for (const Index set : hazes) size_[set] = 0;
   }
 
-  // Samples that hold no others belong to the large sets near them, and so may small sets.
+  // Samples that hold no others belong to the large sets near them, and so may small sets, to which
+  // others belong in turn.
   void attach_others() {
     kept_.assign(cloud_.position.size(), 0);
     for (Index i = 0; i < cloud_.size(); ++i) kept_[i] = core_[i] && is_large(i);
+    holds_ = kept_;
     keep_those_held();
     keep_more([&](Index i) { return !core_[i] && is_held_beyond(i); });
     keep_flat_sets();
     keep_more([&](Index i) { return is_supported(i); });
-    keep_those_that_go_on();
+    for (int ring = 0; ring < kRingsGoneOn; ++ring) keep_more([&](Index i) { return goes_on(i); });
     keep_sets_that_go_on();
     keep_those_held();
-    keep_those_that_go_on();
   }
-
   void keep_those_held() {
-    keep_more([&](Index i) { return !core_[i] && is_held_by_core(i); });
-  }
-  void keep_those_that_go_on() {
-    for (int ring = 0; ring < kRingsGoneOn; ++ring) keep_more([&](Index i) { return goes_on(i); });
+    keep_more([&](Index i) { return !core_[i] && is_held(i); });
   }
 
   // Keeps small sets that are flat, dense, and near for their width, or by the spacing of most, to
@@ -186,9 +185,7 @@ class OutlierSearch {
     for (Index i = 0; i < cloud_.size(); ++i) {
       if (kept_[i] || !core_[i]) continue;
       const Index root = sets_.find(i);
-      if (size_[root] < kUsual || !is_flat(root) ||
-          spacing_of_[root] > options_.spacing_of_flat_sets * cloud_.spacing)
-        continue;
+      if (size_[root] < kUsual || !is_flat_and_dense(root)) continue;
       if (place[root] == kNone) {
         place[root] = static_cast<Index>(sets.size());
         sets.emplace_back();
@@ -213,15 +210,16 @@ class OutlierSearch {
       if (set_of(i).is_near) kept_[i] = 1;
   }
 
-  // A flat set of which some samples go on the surface is a part of it, however much denser.
+  // Keeps small sets of which some samples go on the surface, if they are flat and dense. Like large
+  // ones, all sets that are kept then hold others.
   void keep_sets_that_go_on() {
-    std::vector<char> goes_on(cloud_.position.size(), 0);  // at the root
+    std::vector<char> has_kept(cloud_.position.size(), 0);  // at the root
     for (Index i = 0; i < cloud_.size(); ++i)
-      if (core_[i] && kept_[i]) goes_on[sets_.find(i)] = 1;
+      if (core_[i] && kept_[i]) has_kept[sets_.find(i)] = 1;
     for (Index i = 0; i < cloud_.size(); ++i) {
       if (!core_[i]) continue;
-      const Index set = sets_.find(i);
-      if (goes_on[set] && is_flat(set)) kept_[i] = 1;
+      const Index root = sets_.find(i);
+      if (has_kept[root] && is_flat_and_dense(root)) kept_[i] = holds_[i] = 1;
     }
   }
 
@@ -301,9 +299,9 @@ class OutlierSearch {
                     is_near)
         .index;
   }
-  bool is_held_by_core(Index sample) const {
+  bool is_held(Index sample) const {
     return nearest_within(options_.reach_of_others, sample, [&](Index other) {
-             return core_[other] && kept_[other] && is_beside(sample, other);
+             return holds_[other] && is_beside(sample, other);
            }) != kNone;
   }
   bool is_held_beyond(Index sample) const {
@@ -443,8 +441,9 @@ class OutlierSearch {
       cloud_.conditioning.on_lines ? std::max(1.0, spacings_per_radius_ / kUsualRadius) : 1.0;
   const Index smallest_ = std::min(options_.smallest_set, std::max<Index>(cloud_.size() / 100, 4));
   std::vector<char> core_, kept_;
+  std::vector<char> holds_;  // core samples that are kept with their sets
   SharedSets sets_{cloud_.size(), progress_};
-  // Of the sets, each at its root: how many core samples they are of, and these on average.
+  // Of the sets, each at its root: how many core samples, and their mean roughness and spacing.
   std::vector<Index> size_;
   std::vector<double> roughness_of_, spacing_of_;
 };

@@ -21,9 +21,9 @@ struct OutlierOptions {
   double slope_of_others = 0.35;      ///< height over the plane, x distance, at most
   double deviations_of_others = 3.0;  ///< the same, x PointCloud::deviation of the core sample
   Index smallest_set = 30;  ///< samples; a hundredth of all where that is less, at least 4
-  // A smaller set, as the last lines of a scan are, stays if it has the samples of a neighbourhood
-  // (SampleOptions::kUsualNeighbours), is as flat as a surface
-  // (`roughness`), as dense as the rest, and near for its width.
+  // A smaller set stays if it is as flat as a surface (`roughness`), dense enough, and goes on the
+  // surface with any of its samples, as fins and fillets do; or, as the last lines of a scan, if it
+  // is near and has the samples of a neighbourhood (SampleOptions::kUsualNeighbours).
   double spacing_of_flat_sets = 3.0;  ///< x median spacing, on average at most
   double reach_of_flat_sets = 1.5;    ///< x width of the set: from samples that stay
   double gap_of_flat_sets = 1.0;      ///< or x median spacing, if that is more
