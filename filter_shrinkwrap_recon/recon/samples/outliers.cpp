@@ -210,8 +210,8 @@ class OutlierSearch {
       if (set_of(i).is_near) kept_[i] = 1;
   }
 
-  // Keeps small sets of which some samples go on the surface, if they are flat and dense. Like large
-  // ones, all sets that are kept then hold others.
+  // Keeps small sets of which some samples go on the surface, if they are flat and dense. Like
+  // large ones, all sets that are kept then hold others.
   void keep_sets_that_go_on() {
     std::vector<char> has_kept(cloud_.position.size(), 0);  // at the root
     for (Index i = 0; i < cloud_.size(); ++i)
