@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -119,8 +120,9 @@ TEST(OutliersOfDenseParts, ClumpsThatAreNotFlatAreStray) {
     const Block off_plate = {step, 3, 3, 3, 0.9}, on_plate = {step, 3, 3, 3, 0.1};
     SCOPED_TRACE(step);
     EXPECT_EQ(found_of(off_plate, false), 27u);
-    EXPECT_GE(found_of(on_plate, false), 9u);
-    EXPECT_LE(found_of(on_plate, false), 27u);
+    const std::size_t found = found_of(on_plate, false);
+    EXPECT_GE(found, 9u);
+    EXPECT_LE(found, 27u);
   }
 }
 
@@ -141,7 +143,7 @@ TEST(OutliersOfDenseParts, StrayPointsBesideThePlateHoldNoOthers) {
       for (const Index i : cleaned(points).report.input_index)
         ++(i < samples ? false_alarms : found);
     }
-  EXPECT_LE(stray - found, 10);
+  EXPECT_LE(stray - found, 30);
   EXPECT_EQ(false_alarms, 0);
 }
 

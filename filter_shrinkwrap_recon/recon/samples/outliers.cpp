@@ -129,8 +129,13 @@ class OutlierSearch {
     for (Index i = 0; i < cloud_.size(); ++i) {
       if (!core_[i]) continue;
       const Index set = sets_.find(i);
-      roughness_of_[set] += roughness(i) / size_[set];
-      spacing_of_[set] += cloud_.local_spacing[i] / static_cast<double>(size_[set]);
+      roughness_of_[set] += roughness(i);
+      spacing_of_[set] += cloud_.local_spacing[i];
+    }
+    for (Index set = 0; set < cloud_.size(); ++set) {
+      if (size_[set] == 0) continue;
+      roughness_of_[set] /= size_[set];
+      spacing_of_[set] /= size_[set];
     }
   }
   // Whether a set, by its root, is a part of a surface, however small, if it is near the rest.
