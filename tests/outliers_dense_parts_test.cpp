@@ -126,7 +126,7 @@ TEST(OutliersOfDenseParts, ClumpsThatAreNotFlatAreStray) {
   }
 }
 
-// What belongs to a small part holds nothing itself: 9 of 732 stay, and would 113 if it did.
+// What is kept alone holds nothing: 7 of 732 stay, and would 105 if it did.
 TEST(OutliersOfDenseParts, StrayPointsBesideThePlateHoldNoOthers) {
   const std::vector<Vec3> plate = plate_with({0.08, 3, 8, 1, 0.1}, false);
   const Index samples = static_cast<Index>(plate.size());
