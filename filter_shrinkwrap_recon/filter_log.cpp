@@ -255,7 +255,8 @@ void warn_of(const InitialMeshReport& report, std::vector<std::string>& warnings
                        "handles (CutFalseHandles).");
   if (report.handles_refuted > 0)
     warnings.push_back(count_of(report.handles_refuted, "handle") +
-                       " left out that voxels of another size do not show; those taken are of " +
+                       " left out that voxels of another size, or a lower winding number, do "
+                       "not show; voxels are of " +
                        formatted("%.2f", report.voxel_size) + " spacings.");
   if (report.bodies_parted > 0)
     warnings.push_back(count_of(report.bodies_parted, "body", "bodies") +

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
 #include <set>
 
 #include "shapes.h"
@@ -41,6 +42,44 @@ TEST(FacePatches, EdgesAreToldOnce) {
   EXPECT_EQ(2 * edges.size(), 3 * all.size());
   for (const Index h : edges) EXPECT_LT(h, mesh.twin(h));
   EXPECT_EQ(edges_of(mesh, {5}).size(), 3u);
+}
+
+TEST(FacePatches, BordersAreLoopsAroundASet) {
+  const SurfaceMesh mesh = torus_mesh(40, 20);
+  std::vector<char> is_in(static_cast<std::size_t>(mesh.face_slots()), 1);
+  EXPECT_TRUE(border_loops_of(mesh, is_in).empty());
+  // But for what is around one ring of vertices around the tube.
+  std::vector<Index> ring(20);
+  std::iota(ring.begin(), ring.end(), 0);
+  for (const Index f : faces_around(mesh, ring)) is_in[f] = 0;
+  const auto borders = border_loops_of(mesh, is_in);
+  ASSERT_EQ(borders.size(), 2u);
+  for (const auto& loop : borders) {
+    EXPECT_EQ(loop.size(), 20u);
+    for (std::size_t k = 0; k < loop.size(); ++k) {
+      EXPECT_EQ(mesh.target(loop[k]), mesh.origin(loop[(k + 1) % loop.size()]));
+      EXPECT_TRUE(is_in[SurfaceMesh::face(loop[k])]);
+      EXPECT_FALSE(is_in[SurfaceMesh::face(mesh.twin(loop[k]))]);
+    }
+  }
+}
+
+TEST(FacePatches, BordersPassNoVertexTwice) {
+  // Some discs around two vertices touch at vertices between them.
+  const SurfaceMesh mesh = icosphere(3);
+  for (Index other = 1; other < mesh.vertex_slots(); ++other) {
+    std::vector<char> is_in(static_cast<std::size_t>(mesh.face_slots()), 0);
+    std::size_t sides = 0;
+    for (const Index f : faces_around(mesh, {0, other})) is_in[f] = 1;
+    for (Index h = 0; h < mesh.halfedge_slots(); ++h)
+      sides += is_in[SurfaceMesh::face(h)] && !is_in[SurfaceMesh::face(mesh.twin(h))];
+    for (const auto& loop : border_loops_of(mesh, is_in)) {
+      std::set<Index> passed;
+      for (const Index h : loop) EXPECT_TRUE(passed.insert(mesh.origin(h)).second) << other;
+      sides -= loop.size();
+    }
+    EXPECT_EQ(sides, 0u) << other;
+  }
 }
 
 TEST(FacePatches, ClustersAreSetsThatDoNotTouch) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -255,6 +256,94 @@ TEST(FalseHandles, NecksAndTrueMouthsStay) {
     }
   }
   EXPECT_GE(whole, 30);
+}
+
+// Four houses of some width on flat ground, 2 by 2, as a scanner far away sees them in this
+// direction.
+std::vector<Vec3> sample_houses(const Vec3& direction, double half_width, double height,
+                                double spacing) {
+  const auto is_in_house = [&](const Vec3& p) {
+    const double beside =
+        std::max(std::abs(std::abs(p.x()) - 0.4), std::abs(std::abs(p.y()) - 0.4));
+    return beside < half_width - 1e-6 && p.z() > 0.0 && p.z() < height - 1e-6;
+  };
+  std::vector<Vec3> points;
+  const auto add_if_seen = [&](const Vec3& p) {
+    for (double way = 0.005; way * direction.z() < height; way += 0.005)
+      if (is_in_house(p + way * direction)) return;
+    points.push_back(p);
+  };
+  for (double x = -1.0; x < 1.0; x += spacing)
+    for (double y = -1.0; y < 1.0; y += spacing)
+      add_if_seen({x, y, is_in_house({x, y, 0.5 * height}) ? height : 0.0});
+  for (double z = 0.5 * spacing; z < height; z += spacing)
+    for (double along = -half_width; along < half_width; along += spacing)
+      for (const double side : {-1.0, 1.0})
+        for (const double x : {-0.4, 0.4})
+          for (const double y : {-0.4, 0.4}) {
+            add_if_seen({x + side * half_width, y + along, z});
+            add_if_seen({x + along, y + side * half_width, z});
+          }
+  return points;
+}
+
+// Of the default voxels, where what lies in shadow is told from holes or is not.
+InitialMeshReport report_of_sheet(const PointCloud& cloud, bool has_shadows) {
+  InitialMeshOptions options;
+  if (!has_shadows) options.level_ratio_for_shadows = 0.0;
+  Progress silent;
+  const InitialMesh mesh = make_initial_mesh(cloud, options, silent);
+  expect_closed_manifold(mesh.mesh, mesh.report.components + mesh.report.cavities,
+                         mesh.report.genus);
+  return mesh.report;
+}
+
+TEST(FalseHandles, ShadowsOfHousesAreNoTunnels) {
+  Index before = 0, left = 0;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    Random random(seed);
+    const double elevation = random.uniform(25.0, 70.0) * kPi / 180.0;
+    const double azimuth = random.uniform(0.0, 2.0 * kPi);
+    const double half_width = random.uniform(0.12, 0.25), height = random.uniform(0.15, 0.4);
+    const double spacing = random.uniform(0.015, 0.04);
+    const Vec3 direction(std::cos(elevation) * std::cos(azimuth),
+                         std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
+    std::vector<Vec3> points = sample_houses(direction, half_width, height, spacing);
+    const Eigen::AngleAxisd turn(random.uniform(0.0, kPi), random.direction());
+    for (Vec3& p : points) p = turn * p;
+    const PointCloud cloud = oriented_cloud(points);
+    const InitialMeshReport without = report_of_sheet(cloud, false);
+    const InitialMeshReport report = report_of_sheet(cloud, true);
+    EXPECT_LE(report.genus, without.genus) << seed;
+    EXPECT_EQ(report.handles_refuted - without.handles_refuted, without.genus - report.genus)
+        << seed;
+    EXPECT_EQ(report.components, 1) << seed;
+    before += without.genus;
+    left += report.genus;
+  }
+  EXPECT_GE(before, 15) << "there is little to refute: this test tests little";
+  EXPECT_LE(left, before / 2);
+}
+
+TEST(FalseHandles, AHoleSeenFromOneSideIsNoShadow) {
+  for (const double elevation : {90.0, 60.0, 45.0})
+    for (const double tube : {0.15, 0.3, 0.45}) {
+      const Vec3 direction(std::cos(elevation * kPi / 180.0), 0.0,
+                           std::sin(elevation * kPi / 180.0));
+      const auto ring = [&](const Vec3& p) {
+        return std::hypot(std::hypot(p.x(), p.y()) - 1.0, p.z()) - tube;
+      };
+      const auto is_seen = [&](const Vec3& p) {
+        for (double way = 0.02; way < 3.0; way += 0.01)
+          if (ring(p + way * direction) < -1e-3) return false;
+        return true;
+      };
+      Random random(1);
+      const PointCloud cloud =
+          oriented_cloud(sample_implicit_blue_noise(ring, {1.5, is_seen}, 3000, random).points);
+      ASSERT_LT(cloud.closedness, 0.5) << elevation << ' ' << tube;
+      EXPECT_EQ(report_of_sheet(cloud, true).genus, 1) << elevation << ' ' << tube;
+    }
 }
 
 }  // namespace

@@ -165,6 +165,7 @@ TEST(Reconstruct, ShadowsAreNoTunnels) {
 
     ReconstructionOptions as_of_bodies;
     as_of_bodies.initial_mesh.level_of_sheets = as_of_bodies.initial_mesh.level;
+    as_of_bodies.initial_mesh.level_ratio_for_shadows = 0.0;
     const Reconstruction slab = reconstruct_silently(points, as_of_bodies);
     EXPECT_GT(slab.report.genus, 5);
     EXPECT_GT(slab.report.vertices_extra, town.report.vertices_extra + 2);

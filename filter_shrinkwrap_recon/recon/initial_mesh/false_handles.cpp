@@ -1,11 +1,15 @@
 #include "initial_mesh/false_handles.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "common/parallel.h"
+#include "geometry/triangle_geometry.h"
 #include "geometry/widest_turn.h"
+#include "initial_mesh/genus_limit.h"
+#include "mesh/face_patches.h"
 #include "mesh/one_ring.h"
 #include "mesh/surface_loops.h"
 
@@ -24,6 +28,9 @@ constexpr std::size_t kMostOfBall = 1 << 12;
 // at most (x the mean length of its edges), that look to where the loop does (cosine, at least).
 constexpr int kNearest = 8;
 constexpr double kBeside = 0.6, kLooking = 0.5;
+// Of samples at the rim of a tunnel: ground around a shadow slants to its middle, as seen from
+// the plane of the rim, the more the higher the light stands.
+constexpr double kLookingAcross = 0.75;
 
 // The plane of a loop of vertices.
 struct LoopFrame {
@@ -96,6 +103,17 @@ class FalseHandles {
     return handles;
   }
 
+  Index count_tunnels_of_shadows(Progress& progress) const {
+    // Small loops beside a rim enclose nothing, and are not to be in its way: the longest first.
+    std::vector<Loop> loops = false_rims();
+    std::stable_sort(loops.begin(), loops.end(),
+                     [](const Loop& a, const Loop& b) { return a.size() > b.size(); });
+    DisjointLoops disjoint(mesh_, std::numeric_limits<Index>::max());
+    for (const Loop& loop : loops) disjoint.add(loop);
+    keep_inseparable(mesh_, disjoint.loops, progress);
+    return static_cast<Index>(disjoint.loops.size());
+  }
+
  private:
   void cut(const std::vector<Loop>& loops, Progress& progress) {
     if (loops.empty()) return;
@@ -105,6 +123,44 @@ class FalseHandles {
     for (const Loop& loop : loops)
       for (const Index v : loop) cosine_[v] = cosine_at(v);
     for (Index v = first_new; v < mesh_.vertex_slots(); ++v) cosine_[v] = cosine_at(v);
+  }
+
+  // Around faces that no sample bears out, where these begin to look inwards.
+  std::vector<Loop> false_rims() const {
+    std::vector<char> is_unseen(static_cast<std::size_t>(mesh_.face_slots()));
+    for (Index f = 0; f < mesh_.face_slots(); ++f) {
+      const Triangle t = mesh_.triangle(f);
+      const auto is_off = [&](Index v) { return cosine_[v] < options_.least_cosine; };
+      is_unseen[f] = std::count_if(t.begin(), t.end(), is_off) >= 2;
+    }
+    std::vector<Loop> found;
+    for (const std::vector<Index>& rim : border_loops_of(mesh_, is_unseen)) {
+      Loop loop;
+      for (const Index h : rim) loop.push_back(mesh_.origin(h));
+      const LoopFrame frame = frame_of(mesh_, loop);
+      double inward = 0.0;
+      for (const Index h : rim)
+        inward += unit_or_zero(mesh_.area_vector(SurfaceMesh::face(h)))
+                      .dot((frame.middle - mesh_.position[mesh_.origin(h)]).normalized());
+      if (inward > 0.0 && gap_across(loop, frame) > options_.widest_gap)
+        found.push_back(std::move(loop));
+    }
+    return found;
+  }
+
+  // Around the middle of a rim, between the nearest samples that look to it.
+  double gap_across(const Loop& loop, const LoopFrame& frame) const {
+    if (frame.axis.isZero()) return 2.0 * kPi;
+    const Vec3 side = frame.axis.unitOrthogonal(), across = frame.axis.cross(side);
+    std::vector<double> directions;
+    for (const Index v : loop) {
+      const Index nearest = cloud_.search.nearest(mesh_.position[v]).index;
+      const Vec3 offset = cloud_.position[nearest] - frame.middle;
+      const Vec3 arm = offset - offset.dot(frame.axis) * frame.axis;
+      if (-arm.dot(cloud_.normal[nearest].cast<double>()) > kLookingAcross * arm.norm())
+        directions.push_back(std::atan2(arm.dot(across), arm.dot(side)));
+    }
+    return widest_turn(std::move(directions));
   }
 
   // To how many samples each vertex is the nearest.
@@ -241,6 +297,12 @@ Index cut_doubtful_handles(SurfaceMesh& mesh, const SurfaceMesh& other, const Po
       FalseHandles(mesh, cloud, options, progress).cut_doubtful(other, most, progress);
   if (handles > 0) mesh.compact(progress);
   return handles;
+}
+
+Index count_tunnels_of_shadows(SurfaceMesh& mesh, const PointCloud& cloud,
+                               const FalseHandleOptions& options, Progress& progress) {
+  if (genus_of(mesh, progress) == 0) return 0;
+  return FalseHandles(mesh, cloud, options, progress).count_tunnels_of_shadows(progress);
 }
 
 }  // namespace shrinkwrap

@@ -48,4 +48,12 @@ FalseHandleReport cut_false_handles(SurfaceMesh& mesh, const PointCloud& cloud,
 Index cut_doubtful_handles(SurfaceMesh& mesh, const SurfaceMesh& other, const PointCloud& cloud,
                            const FalseHandleOptions& options, Index most, Progress& progress);
 
+/// Tunnels of any width from what lies in shadow on a sheet (PointCloud::closedness) to its back.
+/// Samples bear out where they begin, and none their walls. They are told by loops at their rims,
+/// around which there is a wider gap than `widest_gap` between samples that look to the middle.
+/// Returns how many of these can be cut at once and leave the surface in one piece; 0 without a
+/// handle. As cut_false_handles otherwise, but the mesh stays. O((V + N) log V).
+Index count_tunnels_of_shadows(SurfaceMesh& mesh, const PointCloud& cloud,
+                               const FalseHandleOptions& options, Progress& progress);
+
 }  // namespace shrinkwrap

@@ -30,6 +30,7 @@ constexpr double kSupportReach = 3.0;  // x size of a voxel
 constexpr int kNearestSamples = 6;
 constexpr float kSharpCosine = 0.7071f;
 constexpr float kFacingCosine = -0.5f;        // of the normals of sheets that face each other
+constexpr double kLeastLevel = 0.08;          // of sheets: lower ones are far from the samples
 constexpr double kLeastClosedness = 0.5;      // of clouds that are no sheets
 constexpr double kLeastVoxelForBodies = 0.4;  // x s
 
@@ -327,6 +328,36 @@ InitialMesh boundary_with_more_bodies(InitialMesh first, const PointCloud& cloud
   return first;
 }
 
+// What lies in shadow on a sheet is spanned at a lower level, and so may holes of the object be.
+InitialMesh boundary_without_tunnels(InitialMesh first, const PointCloud& cloud,
+                                     const WindingNumber& winding, InitialMeshOptions options,
+                                     Progress& progress) {
+  const double per_attempt = options.level_ratio_for_shadows;
+  if (!options.false_handles.enabled || per_attempt <= 0.0 || per_attempt >= 1.0 ||
+      cloud.closedness >= kLeastClosedness || first.mesh.face_count() == 0)
+    return first;
+  const Index genus = first.report.genus, refuted = first.report.handles_refuted;
+  const double size = first.report.voxel_size / (options.voxel_size * first.report.spacing);
+  Index tunnels = 0;
+  attempted([&] {
+    tunnels = count_tunnels_of_shadows(first.mesh, cloud, options.false_handles, progress);
+  });
+  while (first.report.genus > genus - tunnels && options.level * per_attempt >= kLeastLevel) {
+    options.level *= per_attempt;
+    std::optional<InitialMesh> lower =
+        try_boundary(cloud, winding, options, size, first.report.components, progress);
+    if (!lower || lower->report.genus < genus - tunnels) break;
+    const InitialMeshReport &a = first.report, &b = lower->report;
+    const bool is_as_sound = b.components == a.components && b.cavities <= a.cavities &&
+                             b.dropped <= a.dropped && b.voxel_size < 1.01 * a.voxel_size &&
+                             b.samples_with_solid_behind >= a.samples_with_solid_behind;
+    if (b.genus >= a.genus || !is_as_sound) continue;
+    lower->report.handles_refuted = refuted + genus - b.genus;
+    first = std::move(*lower);
+  }
+  return first;
+}
+
 // Part of the samples that are sharp: see InitialMeshOptions::least_sharp.
 double fraction_of_sharp_samples(const PointCloud& cloud, Progress& progress) {
   const int count = std::min(kNearestSamples + 1, cloud.neighbour_count);
@@ -376,8 +407,9 @@ InitialMesh most_plausible_boundary(const PointCloud& cloud, InitialMeshOptions 
   const WindingNumber winding(cloud, progress);
   const double sharp = fraction_of_sharp_samples(cloud, progress);
   const auto of_the_size_asked_for = [&] {
-    return boundary_with_fewer_handles(solid_boundary(cloud, winding, options, progress), cloud,
-                                       winding, options, progress);
+    InitialMesh fewer = boundary_with_fewer_handles(
+        solid_boundary(cloud, winding, options, progress), cloud, winding, options, progress);
+    return boundary_without_tunnels(std::move(fewer), cloud, winding, options, progress);
   };
   InitialMesh mesh;
   InitialMeshOptions smaller = options;

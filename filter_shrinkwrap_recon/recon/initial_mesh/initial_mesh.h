@@ -29,6 +29,10 @@ struct InitialMeshOptions {
   /// just behind a sheet and falls from there, and is less behind its holes: the solid of a higher
   /// level is a thin slab, and shadows are holes through it.
   double level_of_sheets = 0.25;
+  /// The boundary of a sheet may have tunnels, from what lies in shadow to its back. Levels each so
+  /// many times as high are asked then, down to 0.08, as long as no more handles go than there are
+  /// tunnels, and one that shows fewer handles, and as many bodies, is taken. 0: none is.
+  double level_ratio_for_shadows = 0.7;
   double blend_begin =
       1.2;  ///< x local spacing: up to here from the samples the plane field alone decides
   double blend_end = 2.5;  ///< x local spacing: from here on the winding number alone decides
@@ -95,7 +99,7 @@ struct InitialMeshReport {
   Index false_handles = 0;         ///< cut, as no samples bear them out
   Index false_mouths = 0;          ///< closed: the same, of tunnels into cavities
   Index bodies_parted = 0;         ///< by smaller voxels, that had grown together
-  Index handles_refuted = 0;       ///< that one of two solids shows, and left out
+  Index handles_refuted = 0;       ///< that one of several solids shows, and left out
   Index handles_cut = 0;           ///< to keep to `maximum_genus`
   int levels = 0;                  ///< bounding_box only
 };

@@ -36,6 +36,38 @@ std::vector<Index> edges_of(const SurfaceMesh& mesh, const std::vector<Index>& f
   return edges;
 }
 
+std::vector<std::vector<Index>> border_loops_of(const SurfaceMesh& mesh,
+                                                const std::vector<char>& is_in) {
+  const auto is_border = [&](Index h) {
+    return is_in[SurfaceMesh::face(h)] && !is_in[SurfaceMesh::face(mesh.twin(h))];
+  };
+  std::vector<std::vector<Index>> loops;
+  std::vector<char> is_passed(static_cast<std::size_t>(mesh.halfedge_slots()), 0);
+  std::vector<Index> place(mesh.position.size(), kNone);  // of vertices, on the path
+  std::vector<Index> path;
+  // The path from there on has come back to where it began.
+  const auto close_from = [&](Index begin) {
+    const auto first = path.begin() + begin;
+    for (auto h = first; h != path.end(); ++h) place[mesh.origin(*h)] = kNone;
+    if (path.end() - first >= 3) loops.emplace_back(first, path.end());
+    path.erase(first, path.end());
+  };
+  for (Index start = 0; start < mesh.halfedge_slots(); ++start) {
+    if (is_passed[start] || !is_border(start)) continue;
+    Index h = start;
+    do {
+      is_passed[h] = 1;
+      const Index v = mesh.origin(h);
+      if (place[v] != kNone) close_from(place[v]);
+      place[v] = static_cast<Index>(path.size());
+      path.push_back(h);
+      for (h = SurfaceMesh::next(h); !is_border(h);) h = SurfaceMesh::next(mesh.twin(h));
+    } while (h != start);
+    close_from(0);
+  }
+  return loops;
+}
+
 std::vector<std::vector<Index>> clusters_of(
     const SurfaceMesh& mesh, const std::vector<Index>& faces,
     const std::function<const std::vector<Index>&(Index)>& linked) {
