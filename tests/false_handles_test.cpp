@@ -325,25 +325,40 @@ TEST(FalseHandles, ShadowsOfHousesAreNoTunnels) {
   EXPECT_LE(left, before / 2);
 }
 
+// A ring, of radius 1, as a scanner far away sees it from so many degrees above its plane.
+std::vector<Vec3> sample_ring(double elevation, double tube) {
+  const Vec3 direction(std::cos(elevation * kPi / 180.0), 0.0, std::sin(elevation * kPi / 180.0));
+  const auto ring = [&](const Vec3& p) {
+    return std::hypot(std::hypot(p.x(), p.y()) - 1.0, p.z()) - tube;
+  };
+  const auto is_seen = [&](const Vec3& p) {
+    for (double way = 0.02; way < 3.0; way += 0.01)
+      if (ring(p + way * direction) < -1e-3) return false;
+    return true;
+  };
+  Random random(1);
+  return sample_implicit_blue_noise(ring, {1.5, is_seen}, 3000, random).points;
+}
+
 TEST(FalseHandles, AHoleSeenFromOneSideIsNoShadow) {
   for (const double elevation : {90.0, 60.0, 45.0})
     for (const double tube : {0.15, 0.3, 0.45}) {
-      const Vec3 direction(std::cos(elevation * kPi / 180.0), 0.0,
-                           std::sin(elevation * kPi / 180.0));
-      const auto ring = [&](const Vec3& p) {
-        return std::hypot(std::hypot(p.x(), p.y()) - 1.0, p.z()) - tube;
-      };
-      const auto is_seen = [&](const Vec3& p) {
-        for (double way = 0.02; way < 3.0; way += 0.01)
-          if (ring(p + way * direction) < -1e-3) return false;
-        return true;
-      };
-      Random random(1);
-      const PointCloud cloud =
-          oriented_cloud(sample_implicit_blue_noise(ring, {1.5, is_seen}, 3000, random).points);
+      const PointCloud cloud = oriented_cloud(sample_ring(elevation, tube));
       ASSERT_LT(cloud.closedness, 0.5) << elevation << ' ' << tube;
       EXPECT_EQ(report_of_sheet(cloud, true).genus, 1) << elevation << ' ' << tube;
     }
+}
+
+TEST(FalseHandles, NoMoreHandlesGoThanThereAreTunnels) {
+  // The level that spans the shadows spans the hole of the ring, too.
+  std::vector<Vec3> points = sample_houses(Vec3(0.78, 0.38, 0.5).normalized(), 0.2, 0.25, 0.03);
+  const Index tunnels = report_of_sheet(oriented_cloud(points), false).genus;
+  ASSERT_GT(tunnels, 0);
+  EXPECT_EQ(report_of_sheet(oriented_cloud(points), true).genus, 0);
+  for (const Vec3& p : sample_ring(90.0, 0.45)) points.push_back(p + Vec3(4.0, 0.0, 0.0));
+  const PointCloud cloud = oriented_cloud(points);
+  EXPECT_EQ(report_of_sheet(cloud, false).genus, tunnels + 1);
+  EXPECT_GT(report_of_sheet(cloud, true).genus, 0);
 }
 
 }  // namespace
