@@ -98,30 +98,14 @@ bool is_left_open(double width, const CompleteMatchingOptions& options) {
   return width > options.widest_opening;
 }
 
-// The borders of what is left without these faces (ascending), each in order.
+// The borders of what is left without these faces, each in order.
 std::vector<std::vector<Index>> borders_of(const SurfaceMesh& surface,
                                            const std::vector<Index>& dropped) {
-  const auto is_dropped = [&](Index h) { return holds(dropped, SurfaceMesh::face(h)); };
-  const auto is_on_border = [&](Index h) { return is_dropped(h) && !is_dropped(surface.twin(h)); };
-  std::vector<Index> edges;  // half-edges of dropped faces, ascending
-  for (const Index f : dropped)
-    for (Index h = 3 * f; h < 3 * f + 3; ++h)
-      if (is_on_border(h)) edges.push_back(h);
-  std::vector<char> is_seen(edges.size(), 0);
-  std::vector<std::vector<Index>> borders;
-  for (std::size_t first = 0; first < edges.size(); ++first) {
-    std::vector<Index> border;
-    for (Index h = edges[first];;) {
-      const auto at = std::lower_bound(edges.begin(), edges.end(), h) - edges.begin();
-      if (is_seen[static_cast<std::size_t>(at)]) break;
-      is_seen[static_cast<std::size_t>(at)] = 1;
-      border.push_back(surface.origin(h));
-      // The next edge of the border: one fan stays at each vertex, so one is dropped.
-      h = SurfaceMesh::next(h);
-      while (!is_on_border(h)) h = SurfaceMesh::next(surface.twin(h));
-    }
-    if (!border.empty()) borders.push_back(std::move(border));
-  }
+  std::vector<char> is_dropped(static_cast<std::size_t>(surface.face_slots()), 0);
+  for (const Index f : dropped) is_dropped[f] = 1;
+  std::vector<std::vector<Index>> borders = border_loops_of(surface, is_dropped);
+  for (std::vector<Index>& border : borders)
+    for (Index& h : border) h = surface.origin(h);
   return borders;
 }
 
